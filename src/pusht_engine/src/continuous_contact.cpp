@@ -14,7 +14,8 @@ struct Poses {
   Tee tee;
   Eigen::Vector2d pusher;
 
-  Poses(const Model& model, const Vector& positions) : tee(teeOf(model, positions)), pusher(positions[kPusherX], positions[kPusherY]) {}
+  Poses(const Model& model, const Vector& positions)
+      : tee(teeOf(model, positions)), pusher(positions[kPusherX], positions[kPusherY]) {}
 };
 
 /// Bodies that close a gap of at least 0 [m] within the substep.
@@ -46,7 +47,11 @@ constexpr int kMostSweeps = 30;
 class Speculation {
  public:
   Speculation(const Model& model, const Matrix& mass, const Bodies& bodies)
-      : model_(model), bodies_(bodies), start_(model, bodies.positions), inertia_(mass), overlap_(allowedOverlap(model)) {
+      : model_(model),
+        bodies_(bodies),
+        start_(model, bodies.positions),
+        inertia_(mass),
+        overlap_(allowedOverlap(model)) {
     row_of_.fill(kNone);
     const std::array damping = {model.tee_damping, model.tee_damping, model.tee_yaw_damping, model.servo_derivative,
                                 model.servo_derivative};
@@ -112,9 +117,7 @@ class Speculation {
 
   std::optional<Closing> atWall(const Wall& wall, const Eigen::Vector2d& start, const Eigen::Vector2d& end,
                                 double radius, Pair pair) const {
-    const auto gap = [&](const Eigen::Vector2d& disc) {
-      return wall.face - radius + overlap_ - wall.along(disc);
-    };
+    const auto gap = [&](const Eigen::Vector2d& disc) { return wall.face - radius + overlap_ - wall.along(disc); };
     if (!(gap(end) < std::min(0.0, gap(start)))) {
       return std::nullopt;
     }

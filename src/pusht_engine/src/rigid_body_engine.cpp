@@ -33,7 +33,8 @@ double momentOfTee(const Physics& physics) {
 
 void requireSwitches(const RigidBodyParameters& parameters, const Physics& physics) {
   if (physics.drive == Drive::kPosition && !parameters.servo) {
-    throw InvalidInput("servo false: must be true in a task whose actions are positions: the simple one holds velocities");
+    throw InvalidInput(
+        "servo false: must be true in a task whose actions are positions: the simple one holds velocities");
   }
   const Physics course;
   const bool has_course_sizes =
@@ -50,7 +51,8 @@ void setGeometry(const Physics& physics, rigid_body::Model& model) {
   constexpr double kTeeHeight = 0.0152;         // [m] of its center, in MuJoCo's scene
   constexpr double kTeeHalfHeight = 0.015;      // [m]
   const double up = 0.0 - physics.table_point;  // which is never -0
-  model.parts = {{{up, {physics.bar_half_length, physics.bar_half_width, kTeeHalfHeight, kTeeHeight},
+  model.parts = {{{up,
+                   {physics.bar_half_length, physics.bar_half_width, kTeeHalfHeight, kTeeHeight},
                    rigid_body::simple::kBarRadius},
                   {physics.stem_offset + up,
                    {physics.stem_half_width, physics.stem_half_length, kTeeHalfHeight, kTeeHeight},
@@ -71,8 +73,7 @@ rigid_body::Model rigid_body::modelOf(const RigidBodyParameters& parameters, con
   model.substep = parameters.substep;
   setGeometry(physics, model);
   model.contact_friction = std::max(physics.contact_friction, kLeastFriction);
-  const double moment =
-      parameters.tee_inertia ? momentOfTee(physics) : physics.tee_first_moment * physics.stem_offset;
+  const double moment = parameters.tee_inertia ? momentOfTee(physics) : physics.tee_first_moment * physics.stem_offset;
   const TeeInertia tee = {physics.tee_mass, physics.tee_first_moment, moment};
   model.tee_mass = tee.mass;
   model.tee_moment = tee.momentAbout(physics.table_point);

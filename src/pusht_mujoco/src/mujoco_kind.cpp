@@ -22,12 +22,12 @@ std::vector<ParameterDescriptor> describeParameters() {
 SimulatorModel load(const ParameterSet& parameters, const Task& task) {
   const auto& file = parameters.get<std::string>(kScene);
   const bool shipped = file == kShipped;
-  auto scene =
-      shipped ? std::make_shared<const MujocoScene>(task) : std::make_shared<const MujocoScene>(file, task);
+  auto scene = shipped ? std::make_shared<const MujocoScene>(task) : std::make_shared<const MujocoScene>(file, task);
   if (changesModel(parameters)) {
     scene = std::make_shared<const MujocoScene>(*scene, parameters);
   }
-  SimulatorModel model = modelOfWorlds(parameters, [scene, &task] { return std::make_unique<MujocoWorld>(scene, task); });
+  SimulatorModel model =
+      modelOfWorlds(parameters, [scene, &task] { return std::make_unique<MujocoWorld>(scene, task); });
   model.provenance[kScene]["sha256"] = scene->sha256();
   if (!shipped) {
     model.provenance[kScene]["file"] = file;

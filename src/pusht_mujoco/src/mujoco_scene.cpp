@@ -63,7 +63,8 @@ MujocoScene::MujocoScene(const std::filesystem::path& path, const Task& task) {
   model_.reset(loadModel(path.string(), complaint));
   try {
     if (model_ != nullptr) {
-      checkScene(*model_, *compiledScene(mjcfOf(task)));  // first: a wrong field says more than what MuJoCo found it to lead to
+      checkScene(*model_,
+                 *compiledScene(mjcfOf(task)));  // first: a wrong field says more than what MuJoCo found it to lead to
     }
     if (!complaint.empty()) {
       throw InvalidInput(complaint);

@@ -88,20 +88,19 @@ std::string sceneOf(const Task& task) {
     const PlacedBox& wall = walls[i];
     xml += geom(names[i], "box", {wall.x, wall.y, kWallMiddle}, {wall.half_x, wall.half_y, kWallMiddle}, 0.0);
   }
-  xml += "<body name=\"tee\" " + attribute("pos", {0.0, 0.0, kTeeHeight}) + ">\n" +
-         joint("tee_x", "type=\"slide\" axis=\"1 0 0\"", physics.tee_damping, physics.tee_friction[0]) +
-         joint("tee_y", "type=\"slide\" axis=\"0 1 0\"", physics.tee_damping, physics.tee_friction[1]) +
-         joint("tee_yaw", "type=\"hinge\" axis=\"0 0 1\"", physics.tee_yaw_damping, physics.tee_yaw_friction) +
-         geom("bar", "box", {0.0, up, 0.0}, {physics.bar_half_length, physics.bar_half_width, kTeeHalfHeight},
-              bar_mass) +
-         geom("stem", "box", {0.0, up - physics.stem_offset, 0.0},
-              {physics.stem_half_width, physics.stem_half_length, kTeeHalfHeight}, stem_mass) +
-         "</body>\n<body name=\"pusher\" " + attribute("pos", {0.0, 0.0, kPusherHeight}) + ">\n" +
-         joint("pusher_x", "type=\"slide\" axis=\"1 0 0\"", physics.pusher_damping, 0.0) +
-         joint("pusher_y", "type=\"slide\" axis=\"0 1 0\"", physics.pusher_damping, 0.0) +
-         geom("pusher", "cylinder", {0.0, 0.0, 0.0}, {physics.pusher_radius, kPusherHeight}, physics.pusher_mass) +
-         "</body>\n</worldbody>\n<actuator>\n" + actuator("x", task) + actuator("y", task) +
-         "</actuator>\n</mujoco>\n";
+  xml +=
+      "<body name=\"tee\" " + attribute("pos", {0.0, 0.0, kTeeHeight}) + ">\n" +
+      joint("tee_x", "type=\"slide\" axis=\"1 0 0\"", physics.tee_damping, physics.tee_friction[0]) +
+      joint("tee_y", "type=\"slide\" axis=\"0 1 0\"", physics.tee_damping, physics.tee_friction[1]) +
+      joint("tee_yaw", "type=\"hinge\" axis=\"0 0 1\"", physics.tee_yaw_damping, physics.tee_yaw_friction) +
+      geom("bar", "box", {0.0, up, 0.0}, {physics.bar_half_length, physics.bar_half_width, kTeeHalfHeight}, bar_mass) +
+      geom("stem", "box", {0.0, up - physics.stem_offset, 0.0},
+           {physics.stem_half_width, physics.stem_half_length, kTeeHalfHeight}, stem_mass) +
+      "</body>\n<body name=\"pusher\" " + attribute("pos", {0.0, 0.0, kPusherHeight}) + ">\n" +
+      joint("pusher_x", "type=\"slide\" axis=\"1 0 0\"", physics.pusher_damping, 0.0) +
+      joint("pusher_y", "type=\"slide\" axis=\"0 1 0\"", physics.pusher_damping, 0.0) +
+      geom("pusher", "cylinder", {0.0, 0.0, 0.0}, {physics.pusher_radius, kPusherHeight}, physics.pusher_mass) +
+      "</body>\n</worldbody>\n<actuator>\n" + actuator("x", task) + actuator("y", task) + "</actuator>\n</mujoco>\n";
   return xml;
 }
 

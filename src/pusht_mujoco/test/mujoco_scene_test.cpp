@@ -33,10 +33,10 @@ namespace pusht {
 namespace {
 
 namespace fs = std::filesystem;
+using Eigen::Vector2d;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
-using Eigen::Vector2d;
 
 class Scene : public ::testing::Test {
  protected:

@@ -108,7 +108,8 @@ Push planTranslation(const View& view) {
       outline = distance;
     }
   }
-  return {through - (std::max(outline, kOutlineMin) + view.physics.pusher_radius) * direction, direction, kTranslateSpeed};
+  return {through - (std::max(outline, kOutlineMin) + view.physics.pusher_radius) * direction, direction,
+          kTranslateSpeed};
 }
 
 /// Push the tip of the bar that is nearer, across the bar.

@@ -28,9 +28,9 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr double kLargest = 1e6;    // of a number that needs no other bound
-constexpr double kTiny = 1e-6;   // least size [m], mass [kg], moment of inertia [kg m^2]
-constexpr double kTable = 10.0;  // [m] largest size and distance
+constexpr double kLargest = 1e6;  // of a number that needs no other bound
+constexpr double kTiny = 1e-6;    // least size [m], mass [kg], moment of inertia [kg m^2]
+constexpr double kTable = 10.0;   // [m] largest size and distance
 
 const std::map<std::string, Drive> kDrives = {{"velocity", Drive::kVelocity}, {"position", Drive::kPosition}};
 const std::map<std::string, SpawnRule> kSpawnRules = {{"ring", SpawnRule::kRing}, {"gym_pusht", SpawnRule::kGymPusht}};
@@ -153,7 +153,8 @@ class Reader {
   void requireNoOthers() const {
     for (const auto& [name, value] : content_.items()) {
       if (known_.count(name) == 0) {
-        throw InvalidInput(place_ + name + ": unknown; known: " + joined(std::vector<std::string>(known_.begin(), known_.end())));
+        throw InvalidInput(place_ + name +
+                           ": unknown; known: " + joined(std::vector<std::string>(known_.begin(), known_.end())));
       }
     }
   }
@@ -186,12 +187,11 @@ void visit(Task& task, Visitor& visitor) {
   Physics& physics = task.physics;
   visitor.entry("name", task.name);
   visitor.section("sizes", [&](auto& of) {
-    for (const auto& [name, size] : {std::pair("pusher_radius", &physics.pusher_radius),
-                                     std::pair("bar_half_length", &physics.bar_half_length),
-                                     std::pair("bar_half_width", &physics.bar_half_width),
-                                     std::pair("stem_half_length", &physics.stem_half_length),
-                                     std::pair("stem_half_width", &physics.stem_half_width),
-                                     std::pair("stem_offset", &physics.stem_offset)}) {
+    for (const auto& [name, size] :
+         {std::pair("pusher_radius", &physics.pusher_radius), std::pair("bar_half_length", &physics.bar_half_length),
+          std::pair("bar_half_width", &physics.bar_half_width),
+          std::pair("stem_half_length", &physics.stem_half_length),
+          std::pair("stem_half_width", &physics.stem_half_width), std::pair("stem_offset", &physics.stem_offset)}) {
       of.entry(name, *size, kTiny, kTable);
     }
   });
@@ -295,8 +295,9 @@ Task taskFrom(const std::string& text) {
   reader.requireNoOthers();
   static const std::regex word("[A-Za-z][A-Za-z0-9_-]{0,59}");
   if (!std::regex_match(task.name, word) || isShippedTask(task.name)) {
-    throw InvalidInput("name '" + task.name + "': must be a word of up to 60 letters, digits, - and _, and not be one of: " +
-                       joined(taskNames()));
+    throw InvalidInput(
+        "name '" + task.name +
+        "': must be a word of up to 60 letters, digits, - and _, and not be one of: " + joined(taskNames()));
   }
   completeInertia(content, task.physics);
   if (task.spawn == SpawnRule::kGymPusht) {

@@ -105,8 +105,7 @@ TEST(TaskFile, HasItsOwnContacts) {
 }
 
 TEST(TaskFile, RefusesWhatIsNone) {
-  EXPECT_EQ(refusal("ful_circle"),
-            "task 'ful_circle': must be one of: full_circle, gym_pusht; or a file NAME.json");
+  EXPECT_EQ(refusal("ful_circle"), "task 'ful_circle': must be one of: full_circle, gym_pusht; or a file NAME.json");
   EXPECT_THAT(refusal("no_such.json"), HasSubstr("no_such.json"));
   EXPECT_EQ(refusal("{"), "task: must be a JSON object {...}");
   EXPECT_THAT(refusal("{}"), StartsWith("task: name '': must be a word"));

@@ -333,10 +333,9 @@ Audit audit(const AuditedWorld& reference, const AuditedWorld& engine, const std
   }
   std::vector<std::string> departures = reference.departures;
   departures.insert(departures.end(), engine.departures.begin(), engine.departures.end());
-  Audit result =
-      compare(subjects[0].measurements, subjects[1].measurements, of_variants,
-              std::max(subjects[0].world->startTolerance(), subjects[1].world->startTolerance()), departures,
-              subjects[0].world->task());
+  Audit result = compare(subjects[0].measurements, subjects[1].measurements, of_variants,
+                         std::max(subjects[0].world->startTolerance(), subjects[1].world->startTolerance()), departures,
+                         subjects[0].world->task());
   result.reference = reference.title;
   result.engine = engine.title;
   for (const AuditedWorld& variant : variants) {

@@ -208,9 +208,8 @@ SlippingPush slippingPush(Bench& bench, const Measurements& found, double from) 
   const auto states = bench.run(start, {command});
   const Eigen::Rotation2Dd to_body(-states[1].tee_yaw);
   const double to = (to_body * (states[1].pusher_position - states[1].tee_position)).x();
-  const Eigen::Vector2d impulse = bench.commandsVelocities()
-                                      ? ForceSensor(found).impulse(states[0], states[1], command)
-                                      : impulseOnTee(bench, found, states[0], states[1]);
+  const Eigen::Vector2d impulse = bench.commandsVelocities() ? ForceSensor(found).impulse(states[0], states[1], command)
+                                                             : impulseOnTee(bench, found, states[0], states[1]);
   return {to - from, Eigen::Rotation2Dd(-0.5 * states[1].tee_yaw) * impulse};
 }
 
@@ -229,8 +228,8 @@ void contactFriction(Bench& bench, Measurements& found) {
   found.set(Property::kContactFriction, impulse.x() / -impulse.y());
 }
 
-/// Whether a pusher gives way to a tee that is thrown at it. With actions that are positions no force of it can be told,
-/// but for one that does not give way at all.
+/// Whether a pusher gives way to a tee that is thrown at it. With actions that are positions no force of it can be
+/// told, but for one that does not give way at all.
 void yielding(Bench& bench, Measurements& found) {
   if (bench.commandsVelocities()) {
     return;  // the servo has told its mass

@@ -31,7 +31,8 @@ std::vector<EpisodeToReplay> recordEpisodes(pusht::Simulator& world, pusht::Poli
   constexpr std::uint64_t kEpisodes = 8;
   std::vector<EpisodeToReplay> episodes;
   for (std::uint64_t i = 0; i < kEpisodes; ++i) {
-    episodes.push_back(recordEpisode(world, policy, pusht::spawn(world.task().first_spawn_seed + seed + i, world.task())));
+    episodes.push_back(
+        recordEpisode(world, policy, pusht::spawn(world.task().first_spawn_seed + seed + i, world.task())));
   }
   return episodes;
 }

@@ -16,7 +16,7 @@ std::optional<SlideLaw> slideLaw(Bench& bench, const Eigen::Vector2d& direction)
   const double longest = 0.59 - 2.0 * bench.narrower();  // [m] so that no corner reaches a wall
   const bool has_friction = bench.physics().tee_friction[0] > 0.0;
   const double sliding = has_friction ? 0.3 : 0.03;  // [m/s] below which friction may be at rest
-  std::vector<Eigen::Vector3d> rows;  // distance [m], time [s], lost velocity [m/s]
+  std::vector<Eigen::Vector3d> rows;                 // distance [m], time [s], lost velocity [m/s]
   for (const double speed : {24.0, 21.0, 18.0, 5.0, 4.0, 3.0, 2.0, 1.7}) {
     WorldState start;
     start.tee_position = bench.shift() - from * direction;

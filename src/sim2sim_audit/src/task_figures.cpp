@@ -93,8 +93,8 @@ Measurements figuresOf(const pusht::Task& task) {
 Audit auditAgainstTask(const AuditedWorld& world, std::uint64_t seed) {
   const auto simulator = world.make();
   Bench bench(*simulator, world.make, seed);
-  Audit result = compare(figuresOf(bench.task()), measure(bench), {}, bench.startTolerance(), world.departures,
-                         bench.task());
+  Audit result =
+      compare(figuresOf(bench.task()), measure(bench), {}, bench.startTolerance(), world.departures, bench.task());
   result.reference = kTaskTitle;
   result.engine = world.title;
   result.seed = seed;

@@ -89,8 +89,8 @@ double momentOverGain(Bench& bench, const Measurements& found, double center_of_
   return torque / taken;
 }
 
-/// [m^2] The tee's moment of inertia about its center of mass, over its mass: a push on the bar's back beside that center,
-/// of which the tee's own momentum is the force sensor. `damping` and `yaw_drag` [1/s] are of a free tee.
+/// [m^2] The tee's moment of inertia about its center of mass, over its mass: a push on the bar's back beside that
+/// center, of which the tee's own momentum is the force sensor. `damping` and `yaw_drag` [1/s] are of a free tee.
 double momentOverMass(Bench& bench, const Measurements& found, double center_of_mass, double yaw_drag, double damping) {
   constexpr int kSteps = 3;
   WorldState start;

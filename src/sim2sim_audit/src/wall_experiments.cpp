@@ -25,7 +25,9 @@ const std::array<Wall, 4>& walls() {
 }
 
 /// [m] Middle between the walls.
-Eigen::Vector2d middleOf(const Bench& bench) { return {bench.physics().wall_middle[0], bench.physics().wall_middle[1]}; }
+Eigen::Vector2d middleOf(const Bench& bench) {
+  return {bench.physics().wall_middle[0], bench.physics().wall_middle[1]};
+}
 
 void wallsByTouch(Bench& bench, Measurements& found) {
   // Nearer to the wall's inner face than to the outer one, out of which a pusher would not be held.
@@ -35,7 +37,8 @@ void wallsByTouch(Bench& bench, Measurements& found) {
   for (const Wall& wall : walls()) {
     const Eigen::Vector2d beside(-wall.outward.y(), wall.outward.x());
     scene.tee_position = (0.15 - 0.5 * bench.narrower()) * beside - 0.1 * wall.outward;
-    const auto distance = touchDistance(bench, {scene, middleOf(bench) - 0.2 * beside, wall.outward, in_wall, in_wall - kClear});
+    const auto distance =
+        touchDistance(bench, {scene, middleOf(bench) - 0.2 * beside, wall.outward, in_wall, in_wall - kClear});
     found.set(wall.for_pusher,
               distance ? *distance + found.need(Property::kPusherRadius) : std::numeric_limits<double>::infinity());
   }

@@ -245,7 +245,10 @@ grid: {inertia: [true, false], kinematic: [true, false]}
         )
         usual = (*GYM, "--engine", "chipmunk")
         for arguments, words in (
-            (("--task", "pusht"), "task 'pusht': must be one of: full_circle, gym_pusht; or a file"),
+            (
+                ("--task", "pusht"),
+                "task 'pusht': must be one of: full_circle, gym_pusht; or a file",
+            ),
             (("--task", "none.json"), "none.json"),
             (("--task", "gym_pusht"), "task gym_pusht: the kind two_mass holds only full_circle"),
             ((*usual, "--set", "servo=false"), "servo false: must be true"),

@@ -132,7 +132,7 @@ bool Protocol::has(std::size_t rollout, Scope scope) const {
     case Scope::kPushes:
       return probe && probe->reset_every > 0;
     case Scope::kCoverage:
-      return runTask().success.coverage && isClosed(rollout);
+      return hasCoverage() && isClosed(rollout);
     case Scope::kFloor:
       return probe && *probe == floorProbes().back();
   }
@@ -141,7 +141,7 @@ bool Protocol::has(std::size_t rollout, Scope scope) const {
 
 std::vector<std::size_t> Protocol::quantityColumns() const {
   const auto may_have = [this](Scope scope) {
-    return scope == Scope::kPushes ? !reanchor.empty() : scope != Scope::kCoverage || runTask().success.coverage;
+    return scope == Scope::kPushes ? !reanchor.empty() : scope != Scope::kCoverage || hasCoverage();
   };
   std::vector<std::size_t> columns;
   for (std::size_t i = 0; i < kQuantities.size(); ++i) {

@@ -3,7 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
+#include "pusht_task/constants.hpp"
+#include "pusht_task/gym_pusht.hpp"
+#include "pusht_task/task.hpp"
 #include "sim2sim_protocol/divergence.hpp"
 #include "sim2sim_protocol/first_divergence.hpp"
 #include "sim2sim_protocol/pushes.hpp"
@@ -121,6 +125,25 @@ double largestCoverage(const RolloutView& view) {
   return largest;
 }
 double finalCoverage(const RolloutView& view) { return pusht::coverageOf(statesOf(view).back(), view.rollout.task()); }
+
+double coveredAtBest(const RolloutView& view) {
+  return largestCoverage(view) > pusht::gym_pusht::kSuccessCoverage ? 1.0 : 0.0;
+}
+double coveredAtEnd(const RolloutView& view) {
+  return finalCoverage(view) > pusht::gym_pusht::kSuccessCoverage ? 1.0 : 0.0;
+}
+double withinWorldModels(const RolloutView& view) {
+  constexpr double kPosition = 0.02;                    // [m]
+  constexpr double kAngle = 20.0 / 180.0 * pusht::kPi;  // [rad]
+  const std::vector<pusht::WorldState>& states = statesOf(view);
+  return std::any_of(states.begin(), states.end(),
+                     [&](const pusht::WorldState& state) {
+                       const pusht::PoseError error = pusht::poseError(state, view.rollout.task());
+                       return error.position < kPosition && error.angle < kAngle;
+                     })
+             ? 1.0
+             : 0.0;
+}
 
 double growthRateOf(const RolloutView& view) { return growthRate(view.reference, view.rollout.trace()); }
 

@@ -79,8 +79,8 @@ RemoteSimulator::RemoteSimulator(const Peer& peer, const StampSource& stamps,
       parameters_hash_(peer.description().parameters_hash) {}
 
 // Delegates, so that the destructor lets go of a world that refuses what follows.
-RemoteSimulator::RemoteSimulator(const Peer& peer, StampSource& stamps, const std::string& kind,
-                                 Parameters changes, const Task& task)
+RemoteSimulator::RemoteSimulator(const Peer& peer, StampSource& stamps, const std::string& kind, Parameters changes,
+                                 const Task& task)
     : RemoteSimulator(peer, stamps, describedAs(kind, peer), task) {
   setTask(task, describedAs(kind, peer), changes);
   stamps.raiseTo(peer.description().stamp);

@@ -96,7 +96,8 @@ class ServedNode {
       const pusht_msgs::DescribeResponse now = open(parameters, task)->describe();
       nlohmann::json provenance = provenanceOf(now);
       provenance["node"] = peer_.services();
-      known = accepted_.emplace(key, std::pair(merged(defaults_, withoutTask(now.parameters)), std::move(provenance))).first;
+      known = accepted_.emplace(key, std::pair(merged(defaults_, withoutTask(now.parameters)), std::move(provenance)))
+                  .first;
     }
     return known->second;
   }

@@ -155,9 +155,9 @@ std::vector<geometry_msgs::Point> teeOutline(const Physics& physics) {
   const double stem = physics.stem_half_width;
   const double length = physics.bar_half_length;
   const double width = physics.bar_half_width;
-  return {point(-stem, stem_end), point(stem, stem_end),  point(stem, -width),
-          point(length, -width),  point(length, width),   point(-length, width),
-          point(-length, -width), point(-stem, -width),   point(-stem, stem_end)};
+  return {point(-stem, stem_end), point(stem, stem_end), point(stem, -width),
+          point(length, -width),  point(length, width),  point(-length, width),
+          point(-length, -width), point(-stem, -width),  point(-stem, stem_end)};
 }
 
 std::vector<geometry_msgs::Point> teeSurface(const Physics& physics) {
@@ -206,13 +206,12 @@ MarkerArray worldMarkers(const std::string& frame_prefix, const Task& task, cons
   constexpr double kHeight = 2.0 * kTeeFrameHeight;
 
   MarkerArray world = tableMarkers(frame_prefix, task, colors);
-  for (const Marker& marker :
-       {body(tee, Marker::CUBE, colors.tee, Vector3d::Zero(),
-             {2.0 * physics.bar_half_length, 2.0 * physics.bar_half_width, kHeight}),
-        body(tee, Marker::CUBE, colors.tee, {0.0, -physics.stem_offset, 0.0},
-             {2.0 * physics.stem_half_width, 2.0 * physics.stem_half_length, kHeight}),
-        body(pusher, Marker::CYLINDER, colors.pusher, Vector3d::Zero(),
-             {pusher_diameter, pusher_diameter, 2.0 * kPusherFrameHeight})}) {
+  for (const Marker& marker : {body(tee, Marker::CUBE, colors.tee, Vector3d::Zero(),
+                                    {2.0 * physics.bar_half_length, 2.0 * physics.bar_half_width, kHeight}),
+                               body(tee, Marker::CUBE, colors.tee, {0.0, -physics.stem_offset, 0.0},
+                                    {2.0 * physics.stem_half_width, 2.0 * physics.stem_half_length, kHeight}),
+                               body(pusher, Marker::CYLINDER, colors.pusher, Vector3d::Zero(),
+                                    {pusher_diameter, pusher_diameter, 2.0 * kPusherFrameHeight})}) {
     world.markers.push_back(marker);
   }
   enumerate(frame_prefix, world.markers);

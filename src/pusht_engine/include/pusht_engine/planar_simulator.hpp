@@ -10,7 +10,8 @@
 ///     static Bodies bodiesOf(const WorldState&);  // bodies of a fresh world that starts there
 ///     static WorldState stateOf(const Bodies&);
 ///     static int substepsOf(const Model&);        // number of substeps in a control step
-///     // One substep in which the pusher is to move with velocity `command` [m/s], or to that place [m], as the task has
+///     // One substep in which the pusher is to move with velocity `command` [m/s], or to that place [m], as the task
+///     has
 ///     // it.
 ///     static void substep(const Model&, const Eigen::Vector2d& command, Bodies&);
 ///   };

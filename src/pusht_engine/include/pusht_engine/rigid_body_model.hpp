@@ -102,9 +102,9 @@ struct Part {
 
 /// Wall. Walls cross at the corners of the table.
 struct Wall {
-  Eigen::Index axis;      ///< 0: x, 1: y
-  double side;            ///< 1 or -1
-  double face;            ///< [m] of the inner face from the walls' middle
+  Eigen::Index axis;       ///< 0: x, 1: y
+  double side;             ///< 1 or -1
+  double face;             ///< [m] of the inner face from the walls' middle
   Eigen::Vector2d middle;  ///< [m] between the walls
 
   Eigen::Vector2d inward() const { return -side * Eigen::Vector2d::Unit(axis); }

@@ -51,8 +51,8 @@ constexpr TeeInertia teeInertia(const Physics& physics, double implicit_substep)
           physics.tee_second_moment + implicit_substep * physics.tee_yaw_damping + added * point * point};
 }
 
-/// `state` with place and velocity of the tee at a point of it in place of its origin; the point is `distance` [m] along
-/// body -y. With the distance back, it is the state again, to rounding.
+/// `state` with place and velocity of the tee at a point of it in place of its origin; the point is `distance` [m]
+/// along body -y. With the distance back, it is the state again, to rounding.
 inline WorldState atPointOfTee(WorldState state, double distance) {
   if (distance != 0.0) {
     const Eigen::Vector2d arm(distance * std::sin(state.tee_yaw), -distance * std::cos(state.tee_yaw));

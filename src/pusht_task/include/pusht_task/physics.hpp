@@ -28,9 +28,9 @@ struct Physics {
   double tee_second_moment =                          ///< [kg m^2] moment of inertia about the tee origin
       momentOfBox(kBarMass, kBarHalfLength, kTeeHalfWidth) + momentOfBox(kStemMass, kTeeHalfWidth, kStemHalfLength) +
       kStemMass * kStemOffset * kStemOffset;
-  double tee_damping = dynamics::kTeeDamping;         ///< [N s/m] per axis
-  double table_point = 0.0;                           ///< [m] from the tee origin to where the table acts, along body -y
-  double tee_yaw_damping = dynamics::kTeeYawDamping;  ///< [N m s]
+  double tee_damping = dynamics::kTeeDamping;  ///< [N s/m] per axis
+  double table_point = 0.0;                    ///< [m] from the tee origin to where the table acts, along body -y
+  double tee_yaw_damping = dynamics::kTeeYawDamping;                                      ///< [N m s]
   std::array<double, 2> tee_friction = {dynamics::kTeeFriction, dynamics::kTeeFriction};  ///< [N] Coulomb, per axis
   double tee_yaw_friction = dynamics::kTeeYawFriction;                                    ///< [N m] Coulomb
 
@@ -55,7 +55,8 @@ struct Physics {
   constexpr double centerOfMass() const { return tee_first_moment / tee_mass; }
 };
 
-/// [kg m^2] Moment of inertia, about the tee origin, of bar and stem of these masses [kg] and of the sizes of `physics`.
+/// [kg m^2] Moment of inertia, about the tee origin, of bar and stem of these masses [kg] and of the sizes of
+/// `physics`.
 constexpr double momentOfTee(double bar_mass, double stem_mass, const Physics& physics) {
   return momentOfBox(bar_mass, physics.bar_half_length, physics.bar_half_width) +
          momentOfBox(stem_mass, physics.stem_half_width, physics.stem_half_length) +

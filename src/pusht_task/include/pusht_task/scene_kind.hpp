@@ -73,8 +73,7 @@ SimulatorModel modelOfScenes(const ParameterSet& set, const Task& task) {
     throw InvalidInput("servo false: must be true in the task " + task.name + ": the engine's motor holds velocities");
   }
   const Physics physics = physicsWith(set, task.physics);
-  return modelOfWorlds(set,
-                       [parameters, physics, &task] { return worldOf<SceneOfKind>(parameters, physics, task); });
+  return modelOfWorlds(set, [parameters, physics, &task] { return worldOf<SceneOfKind>(parameters, physics, task); });
 }
 
 /// Kind of scenes. `prepare` is called whenever a model is loaded: it makes the library ready, and may throw

@@ -94,8 +94,8 @@ std::vector<std::string> taskNames();
 /// if there is none, or with entry, value and rule; BadDependency if a file cannot be read.
 const Task& taskNamed(const std::string& name);
 
-/// Text that taskNamed() reads as `task`, wherever a run carries it: the name of one that comes with the suite, else its
-/// JSON.
+/// Text that taskNamed() reads as `task`, wherever a run carries it: the name of one that comes with the suite, else
+/// its JSON.
 std::string textOf(const Task& task);
 
 /// Task as the JSON of its file (docs/tasks.md).

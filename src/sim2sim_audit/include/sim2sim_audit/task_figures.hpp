@@ -11,8 +11,8 @@ namespace sim2sim {
 /// Name of the task in place of a reference: "the task".
 constexpr const char* kTaskTitle = "the task";
 
-/// What an audit finds in a world that keeps the contract and has the task's physics. What the task leaves open, such as
-/// the softness of contacts, has no value.
+/// What an audit finds in a world that keeps the contract and has the task's physics. What the task leaves open, such
+/// as the softness of contacts, has no value.
 Measurements figuresOf(const pusht::Task& task);
 
 /// Audit of one world against its task.

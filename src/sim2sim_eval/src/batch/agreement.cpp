@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <iostream>
 #include <iterator>
 #include <nlohmann/json.hpp>
@@ -67,10 +68,10 @@ struct Replays {
 using Replayed = std::vector<Replays>;
 
 /// Reads a simulator without a loop: its replays take actions, not a policy's answers.
-SimulatorChoice choiceFrom(const std::string& text, const pusht::Task& task) {
+SimulatorChoice choiceFrom(const std::string& text, const AgreementOptions& options) {
   SimulatorChoice choice = simulatorFromText(text);
   requireNoLoop(choice, "an agreement of replays");
-  setTask(task, {choice});
+  setTask(options.protocol.runTask(), {choice});
   return choice;
 }
 
@@ -80,7 +81,7 @@ std::vector<Listed> listedFrom(const AgreementOptions& options) {
   }
   std::vector<Listed> listed;
   for (const std::string& text : options.simulators) {
-    const SimulatorChoice choice = choiceFrom(text, options.protocol.runTask());
+    const SimulatorChoice choice = choiceFrom(text, options);
     if (std::any_of(listed.begin(), listed.end(), [&](const Listed& other) { return other.choice == choice; })) {
       throw pusht::InvalidInput("simulators " + pusht::joined(options.simulators) +
                                 ": must be named once each: " + text + " is there twice");
@@ -91,8 +92,7 @@ std::vector<Listed> listedFrom(const AgreementOptions& options) {
     listed.push_back({choice, {}});
     if (options.variants) {
       for (const LoadedVariant& variant : loadDefaultVariants(choice.kind, choice.parameters, choice.task)) {
-        listed.back().variants.push_back(choice);
-        listed.back().variants.back().parameters = variant.model.parameters;
+        listed.back().variants.push_back({choice.kind, variant.model.parameters, choice.loop, {}, choice.task});
       }
     }
   }
@@ -198,11 +198,7 @@ class Replayer {
         replayed[i] = replay(share, simulators[i], of_reference);
       }
     }
-    for (Replayed& one : replayed) {
-      if (one.empty()) {
-        one = of_reference;
-      }
-    }
+    std::replace_if(replayed.begin(), replayed.end(), std::mem_fn(&Replayed::empty), of_reference);
     return replayed;
   }
 
@@ -300,8 +296,8 @@ class PairsOfList {
   /// Adds the distances along the episodes of one reference. Returns the description of the episodes.
   nlohmann::json measure(const Along& along) {
     const std::vector<SimulatorChoice> simulators = simulatorsOf(along);
-    const LoadedRun loaded(pusht::PolicyChoice{options_.policy, true, options_.protocol.seed, false, options_.protocol.runTask()}, along.reference,
-                           simulators, options_.protocol);
+    const pusht::PolicyChoice policy{options_.policy, true, options_.protocol.seed, false, options_.protocol.runTask()};
+    const LoadedRun loaded(policy, along.reference, simulators, options_.protocol);
     const Replayer replayer(options_, loaded, along.reference, bar_);
     Protocol share = options_.protocol;
     for (int done = 0; done < options_.protocol.episodes; done += share.episodes) {
@@ -338,7 +334,7 @@ std::vector<Along> alongsOf(const AgreementOptions& options, const std::vector<L
   std::vector<std::size_t> all(listed.size());
   std::iota(all.begin(), all.end(), 0);
   if (!options.both_ways) {
-    return {{options.reference.empty() ? listed.front().choice : choiceFrom(options.reference, options.protocol.runTask()), all}};
+    return {{options.reference.empty() ? listed.front().choice : choiceFrom(options.reference, options), all}};
   }
   std::vector<Along> alongs;
   std::transform(all.begin(), all.end(), std::back_inserter(alongs), [&](std::size_t i) {
@@ -375,7 +371,8 @@ int agreementMain(int argc, char** argv) {
   app.add_option("--policy", options.policy, "policy whose actions are replayed, as for `compare`")
       ->capture_default_str();
   declare(app, protocol,
-          {"task", "seed", "first_episode", "episodes", "horizon", "reanchor", "noise_seed", "execute", "overlapping_starts"});
+          {"task", "seed", "first_episode", "episodes", "horizon", "reanchor", "noise_seed", "execute",
+           "overlapping_starts"});
   app.add_option("--starts", starts, "CSV file with the start of each episode, instead of spawn seeds")
       ->check(notEmpty());
   app.add_option("--out", out, "write the agreement into a new JSON file")->check(notEmpty());

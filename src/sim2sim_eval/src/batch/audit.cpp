@@ -28,13 +28,13 @@ struct AuditOptions {
   std::vector<std::string> reference_parameters{};  ///< "NAME=VALUE", as for chooseSimulator()
   std::string engine = kCourseEngine;               ///< name of a kind
   std::vector<std::string> engine_parameters{};
-  std::string against;        ///< "task": the engine alone, against the task's figures; empty: against the reference
-  std::uint64_t seed = 0;     ///< moves the scenes of the experiments a little
+  std::string against;     ///< "task": the engine alone, against the task's figures; empty: against the reference
+  std::uint64_t seed = 0;  ///< moves the scenes of the experiments a little
   std::string task = pusht::fullCircle().name;
-  int threads = 0;            ///< 0: one for each core that the process may use
-  std::filesystem::path out;  ///< JSON file to be written; empty: none
-  bool overwrite = false;     ///< replace a file that is there already
-  std::string policy;         ///< audited in place of simulators; empty: none
+  int threads = 0;                       ///< 0: one for each core that the process may use
+  std::filesystem::path out;             ///< JSON file to be written; empty: none
+  bool overwrite = false;                ///< replace a file that is there already
+  std::string policy;                    ///< audited in place of simulators; empty: none
   std::filesystem::path demonstrations;  ///< bag or CSV, for the policy
 };
 

@@ -136,7 +136,8 @@ bool operator==(const SimulatorChoice& a, const SimulatorChoice& b) {
 
 std::vector<std::string> settingsOf(const SimulatorChoice& simulator) {
   std::vector<std::string> settings;
-  for (const auto& [name, value] : pusht::fewestSettings(simulator.parameters, simulator.kind.get().defaults(simulator.task))) {
+  for (const auto& [name, value] :
+       pusht::fewestSettings(simulator.parameters, simulator.kind.get().defaults(simulator.task))) {
     settings.push_back(std::string(name).append("=").append(value));
   }
   for (const auto& [name, value] : pusht::fewestSettings(simulator.loop, pusht::plainLoop())) {

@@ -298,10 +298,9 @@ Protocol protocolIn(const YAML::Node& root, const std::filesystem::path& starts)
       take(node, option.name, option.of(protocol));
     }
   });
-  if (!root["episodes"].IsDefined()) {
-    protocol.episodes = defaultEpisodes(protocol, starts);
-  }
+  protocol.episodes = root["episodes"].IsDefined() ? protocol.episodes : defaultEpisodes(protocol, starts);
   protocol.validate();
+  protocol.carryTask();
   return protocol;
 }
 
@@ -384,8 +383,7 @@ SweepPlan planFrom(const YAML::Node& root) {
     plan.starts = textAt(starts, "starts");
   }
   plan.protocol = protocolIn(root, plan.starts);
-  const pusht::Task& task = plan.protocol.runTask();
-  const auto put = [&task](SimulatorChoice& simulator) { setTask(task, {simulator}); };
+  const auto put = [&](SimulatorChoice& simulator) { setTask(plan.protocol.runTask(), {simulator}); };
   inLineOf(root["task"].IsDefined() ? root["task"] : root, [&] {
     std::for_each(plan.policies.begin(), plan.policies.end(), [&](PlannedPolicy& each) { put(each.reference); });
     std::for_each(plan.rows.begin(), plan.rows.end(), [&](PlannedRow& each) { put(each.engine); });

@@ -140,9 +140,9 @@ void Evaluator::runIn(RunFolder& folder, const LiveRequest& request) {
 
 void Evaluator::compare(LiveRequest request, RunFolder& folder) {
   request.protocol.validate();
-  request.protocol.initial_states = givenInitialStates(request.starts, request.protocol.firstStart(),
-                                                       request.protocol.starts(), request.protocol.overlapping_starts,
-                                                       request.protocol.runTask());
+  request.protocol.initial_states =
+      givenInitialStates(request.starts, request.protocol.firstStart(), request.protocol.starts(),
+                         request.protocol.overlapping_starts, request.protocol.runTask());
   pacer_.setRate(request.rate);
   if (pacer_.paused()) {
     ROS_WARN_STREAM("the run waits, since the evaluator is paused; to go on: " << kHowToResume);

@@ -96,8 +96,8 @@ void LiveNodes::connectWorlds(const Simulators& simulators, const pusht::Peer::W
     }
     std::unique_ptr<pusht::RemoteSimulator> world;
     try {
-      world = std::make_unique<pusht::RemoteSimulator>(node.peer, stamps_, wanted.kind, wanted.parameters,
-                                                       simulators.task);
+      world =
+          std::make_unique<pusht::RemoteSimulator>(node.peer, stamps_, wanted.kind, wanted.parameters, simulators.task);
     } catch (const pusht::Error& error) {
       if (error.exitCode() == pusht::ExitCode::kInvalidInput) {  // a refused configuration changes nothing
         memory_.configured(services, now);

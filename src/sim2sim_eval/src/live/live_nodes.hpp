@@ -44,8 +44,8 @@ class LiveNodes {
   ///
   /// Throws NodeMissing if a node does not appear; PeerFault if one is lost meanwhile; the error of a node that failed
   /// at its start; InvalidInput if the two worlds of the engine differ, two worlds are one node, a parameter on the
-  /// parameter server differs from the one in force, or the policy's node is a simulator or acts in another task; BadDependency if a node has
-  /// come back with other properties.
+  /// parameter server differs from the one in force, or the policy's node is a simulator or acts in another task;
+  /// BadDependency if a node has come back with other properties.
   void connect(const Simulators& simulators, const pusht::Peer::Wait& wait);
 
   /// Announces an episode of at most `horizon` control steps to all worlds. Throws PeerFault if a node was replaced.

@@ -66,7 +66,7 @@ constexpr double kArrowTime = 0.25;               // [s] an arrow ends where the
 constexpr double kFirstDivergenceRadius = 0.018;  // [m] of the ring around a tee that leaves the bound
 constexpr double kAxisBegin = 0.05;               // [m] from the target, of the lines that show its tolerance
 constexpr double kAxisBeyond = 0.02;              // [m] from the end of the stem to theirs
-constexpr double kTeeMark = 0.045;  // [m] of the mark of a tee that is beyond the edge of a view
+constexpr double kTeeMark = 0.045;                // [m] of the mark of a tee that is beyond the edge of a view
 constexpr double kPusherMark = 0.022;
 
 constexpr std::size_t kMaxTrailPoints = 75;  // about: bounds the size of an update
@@ -129,8 +129,8 @@ void drawTarget(Canvas& canvas, const TableView& view, const pusht::Task& task, 
 void drawAxis(Canvas& canvas, const TableView& view, const pusht::WorldState& state, const pusht::Task& task,
               const std_msgs::ColorRGBA& color) {
   const Vector2d stem(std::sin(state.tee_yaw), -std::cos(state.tee_yaw));
-  view.line(canvas, color, kMarkWidth,
-            {state.tee_position, state.tee_position + stemEndOf(task.physics) * stem}, kMarkZ);
+  view.line(canvas, color, kMarkWidth, {state.tee_position, state.tee_position + stemEndOf(task.physics) * stem},
+            kMarkZ);
 }
 
 /// Whether a world moves on. A replay has always made the reference's steps, and moves as long as the reference does.
@@ -138,8 +138,8 @@ bool moves(Mode mode, const Episode& episode) {
   return episode.goesOn(mode == kEngineReplay ? kReferenceClosed : mode);
 }
 
-/// The pusher; what it was told in the last control step, in white, and how fast it is, unless the world rests. An arrow
-/// of a velocity ends where the pusher would be after kArrowTime, that of a position there.
+/// The pusher; what it was told in the last control step, in white, and how fast it is, unless the world rests. An
+/// arrow of a velocity ends where the pusher would be after kArrowTime, that of a position there.
 void drawPusher(Canvas& canvas, const TableView& view, Mode mode, const Episode& episode,
                 const std_msgs::ColorRGBA& body) {
   const pusht::Task& task = episode.rollout(mode).task();

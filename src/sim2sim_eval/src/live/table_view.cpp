@@ -20,7 +20,7 @@ using visualization_msgs::Marker;
 namespace {
 
 constexpr double kBeyondWalls = 0.06;  // [m] from the walls' faces to the end of what may be seen
-constexpr double kLeastWidth = 0.46;  // [m] of a region: less would magnify what is near the target out of measure
+constexpr double kLeastWidth = 0.46;   // [m] of a region: less would magnify what is near the target out of measure
 constexpr double kGrid = 0.06;    // [m] to which the edges of a region are rounded outwards, so that it grows seldom
 constexpr double kMargin = 0.01;  // [m] around what is to be seen
 constexpr double kNear = 0.15;    // [m] from the origin of its tee: a pusher is part of what happens

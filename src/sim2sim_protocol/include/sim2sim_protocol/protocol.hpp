@@ -53,6 +53,9 @@ struct Protocol : RunOptions {
   /// Replaces the path of a task's file by what it says, so that the task is the same wherever the run goes.
   void carryTask() { task = pusht::textOf(runTask()); }
 
+  /// Whether closed loops have the quantities of coverage.
+  bool hasCoverage() const { return target_coverage || runTask().success.coverage; }
+
   /// Whether there is no engine: of the modes the reference's closed loop alone is flown.
   bool alone = false;
 
@@ -107,7 +110,7 @@ struct Protocol : RunOptions {
   bool has(std::size_t rollout, Scope scope) const;
 
   /// Indices in kQuantities of the columns of episodes.csv, and of what a message of a rollout has: those of pushes are
-  /// among them only if there are state-reset replays, those of coverage only if the task is judged by it.
+  /// among them only if there are state-reset replays, those of coverage only if the run has them.
   std::vector<std::size_t> quantityColumns() const;
 };
 

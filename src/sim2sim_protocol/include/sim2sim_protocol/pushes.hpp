@@ -12,8 +12,8 @@
 
 namespace sim2sim {
 
-/// [m] Radius of gyration of full_circle's tee about its center of mass, for yaw in the norm of a displacement; rounded,
-/// as the study's plan fixes it. In other tasks it is the tee's.
+/// [m] Radius of gyration of full_circle's tee about its center of mass, for yaw in the norm of a displacement;
+/// rounded, as the study's plan fixes it. In other tasks it is the tee's.
 constexpr double kGyration = 0.044;
 /// [m/control step] A window is a push if the reference's tee moves by more than this, times the window's steps.
 constexpr double kLeastPush = 0.0004;

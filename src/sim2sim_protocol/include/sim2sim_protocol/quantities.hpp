@@ -81,6 +81,14 @@ double pushSize(const RolloutView& view);
 double largestCoverage(const RolloutView& view);
 /// [-] Share of the target that the tee covers after the last step.
 double finalCoverage(const RolloutView& view);
+/// [-] 1 if more than 0.95 of the target is covered at some time, the success of gym-pusht and Diffusion Policy; else
+/// 0.
+double coveredAtBest(const RolloutView& view);
+/// [-] 1 if more than 0.95 of the target is covered after the last step; else 0.
+double coveredAtEnd(const RolloutView& view);
+/// [-] 1 if the tee is within 20 mm and 20 degrees of the target at some time, the success of world models; else 0.
+/// What these ask of the pusher besides has no meaning in a task that has no place for it.
+double withinWorldModels(const RolloutView& view);
 /// [1/control step] Growth rate of a small difference in the reference: growthRate() of a floor, with the default
 /// bound.
 double growthRateOf(const RolloutView& view);
@@ -97,7 +105,7 @@ enum class Scope {
   kClosed,      ///< the engine in closed loop
   kStateReset,  ///< state-reset replays
   kPushes,      ///< state-reset replays; results without these have no column of it
-  kCoverage,    ///< closed loops of a task that is judged by coverage; results of others have no column of it
+  kCoverage,    ///< closed loops of a run with coverage (Protocol::hasCoverage()); others have no column of it
   kFloor,       ///< the reference from an initial state moved by 1e-6 m
 };
 
@@ -165,6 +173,9 @@ inline constexpr std::array kQuantities = {
     Quantity{"push_size", "log", Scope::kPushes, -kLargestPushSize, kLargestPushSize, nullptr, pushSize, nullptr},
     Quantity{"largest_coverage", "share", Scope::kCoverage, 0.0, 1.0, nullptr, largestCoverage, nullptr},
     Quantity{"final_coverage", "share", Scope::kCoverage, 0.0, 1.0, nullptr, finalCoverage, nullptr},
+    Quantity{"covered_at_best", "share", Scope::kCoverage, 0.0, 1.0, nullptr, coveredAtBest, nullptr},
+    Quantity{"covered_at_end", "share", Scope::kCoverage, 0.0, 1.0, nullptr, coveredAtEnd, nullptr},
+    Quantity{"within_20mm_20deg", "share", Scope::kCoverage, 0.0, 1.0, nullptr, withinWorldModels, nullptr},
 };
 
 /// Value of each of kQuantities, in its unit; NaN if there is none.

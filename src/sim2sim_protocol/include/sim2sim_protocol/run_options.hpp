@@ -35,6 +35,7 @@ struct RunOptions {
   bool overlapping_starts = false;        ///< bodies of given starts may overlap
   std::optional<double> until_decided{};  ///< [-] share of the reference's success; none: all episodes are run
   std::string task = "full_circle";
+  bool target_coverage = false;  ///< measured in a task that is not judged by it, too
 };
 
 /// Whether an option decides what the reference does from a given initial state.
@@ -94,8 +95,8 @@ void forEachOption(const Function& function) {
   };
   constexpr double kLastFirstEpisode = 1e9;
   constexpr double kMostEpisodes = 1e6;
-  each("task", "", "what is to be done: full_circle, the course's; or gym_pusht, in kinds that hold it",
-       Decides::kReference, Written::kIfChanged, true, &RunOptions::task);
+  each("task", "", "what is to be done: full_circle, the course's; gym_pusht; or a file NAME.json", Decides::kReference,
+       Written::kIfChanged, true, &RunOptions::task);
   each("seed", "", "episode i starts from spawn seed 10000 + seed + i (gym_pusht: 100000 + ...)", Decides::kRest,
        Written::kAlways, true, &RunOptions::seed);
   each("first_episode", "", "index of the first episode", Decides::kRest, Written::kAlways, true,
@@ -140,6 +141,10 @@ void forEachOption(const Function& function) {
        "stop as soon as it is decided whether the engine keeps this share of the reference's success, above 0 to 1; "
        "--episodes is then the most that it may take",
        Decides::kRest, Written::kIfChanged, false, &RunOptions::until_decided, {0.0, 1.0});
+  each("target_coverage", "",
+       "measure how much of the target closed loops cover, and success by coverage 0.95 and by 20 mm and 20 degrees; "
+       "tasks that coverage judges always have it",
+       Decides::kRest, Written::kIfChanged, true, &RunOptions::target_coverage);
 }
 
 bool operator==(const RunOptions& a, const RunOptions& b);

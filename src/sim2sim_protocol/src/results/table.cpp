@@ -78,14 +78,16 @@ std::string endingLines(const Protocol& protocol, const EndingsOfPairs& endings)
          (failures == stuck ? "" : both("  other failures", otherEndingsText));
 }
 
-/// Lines of the coverage, in a task that is judged by it.
+/// Lines of the coverage, and of success by other rules, in a run that has them.
 std::string coverageLines(const Protocol& protocol, const Summary& summary) {
   const auto both = [&](const char* head, const char* quantity) {
     return line(head, cell(summary.mean(kReferenceClosed, quantity), ""),
                 protocol.alone ? "" : cell(summary.mean(kEngineClosed, quantity), ""));
   };
-  return protocol.runTask().success.coverage
-             ? both("  coverage at its best", "largest_coverage") + both("  coverage at the end", "final_coverage")
+  return protocol.hasCoverage()
+             ? both("  coverage at its best", "largest_coverage") + both("  coverage at the end", "final_coverage") +
+                   both("  above 0.95 at best", "covered_at_best") + both("  above 0.95 at the end", "covered_at_end") +
+                   both("  20 mm, 20 degrees", "within_20mm_20deg")
              : "";
 }
 

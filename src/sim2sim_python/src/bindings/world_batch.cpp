@@ -4,10 +4,10 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
-#include <limits>
 #include <cstddef>
 #include <exception>
 #include <iterator>
+#include <limits>
 #include <variant>
 
 #include "arguments.hpp"
@@ -77,9 +77,7 @@ WorldBatch::WorldBatch(const std::string& kind, const py::dict& parameters, int 
   actions_.resize(static_cast<std::size_t>(worlds));
 }
 
-double WorldBatch::actionLimit() const {
-  return task_->action_limit.value_or(std::numeric_limits<float>::infinity());
-}
+double WorldBatch::actionLimit() const { return task_->action_limit.value_or(std::numeric_limits<float>::infinity()); }
 
 void WorldBatch::spawn(int world, std::uint64_t seed) { begin(world, pusht::spawn(seed, *task_)); }
 

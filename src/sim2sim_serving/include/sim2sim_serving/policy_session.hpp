@@ -23,7 +23,7 @@ struct PolicyModel {
   std::string name;  ///< name in metrics.json
   std::string version;
   std::unique_ptr<Policy> policy;
-  nlohmann::json provenance = nlohmann::json::object();  ///< all that the numbers depend on
+  nlohmann::json provenance = nlohmann::json::object();    ///< all that the numbers depend on
   std::reference_wrapper<const Task> task = fullCircle();  ///< in which it acts
 };
 

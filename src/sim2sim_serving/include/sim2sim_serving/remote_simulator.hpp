@@ -40,8 +40,8 @@ class RemoteSimulator : public Simulator {
  public:
   /// Takes the world over from any holder. The peer must be connected; peer and stamps must outlive the simulator. A
   /// `kind` makes the world one of that kind, with its defaults; an empty one keeps the kind. Then `changes` are set.
-  /// The world becomes one of `task`. Kind and parameters must stay so. Throws as startToleranceOf(); the error with which the node refuses;
-  /// BadDependency if the node describes another kind afterwards.
+  /// The world becomes one of `task`. Kind and parameters must stay so. Throws as startToleranceOf(); the error with
+  /// which the node refuses; BadDependency if the node describes another kind afterwards.
   RemoteSimulator(const Peer& peer, StampSource& stamps, const std::string& kind = "", Parameters changes = {},
                   const Task& task = fullCircle());
 

@@ -66,14 +66,14 @@ inline Bodies anyBodies(Random& random, double speed) {
 struct Parts {
   Model model;
   Bodies bodies;
-  Tee tee = teeOf(bodies.positions);
+  Tee tee = teeOf(model, bodies.positions);
   Eigen::Vector2d pusher = {bodies.positions[kPusherX], bodies.positions[kPusherY]};
   Matrix mass = massMatrix(model, tee);
 
   Parts(const RigidBodyParameters& parameters, const Bodies& world) : model(modelOf(parameters)), bodies(world) {}
 
   Vector smooth(const Eigen::Vector2d& command = {0.0, 0.0}) const {
-    return smoothForce(model, tee, mass, bodies.velocities, command);
+    return smoothForce(model, tee, mass, bodies, command);
   }
   Contact touch(const Part& part) const { return touchTee(model, tee, pusher, part); }
   Rows rows() const { return constraintsOf(model, tee, findContacts(model, tee, pusher), bodies.velocities); }

@@ -149,6 +149,11 @@ void ParameterSet::setDefault(const std::string& name, const ParameterValue& val
 
 Parameter& ParameterSet::place(const std::string& name) { return parameters_[&at(name) - parameters_.data()]; }
 
+bool ParameterSet::has(const std::string& name) const {
+  return std::any_of(parameters_.begin(), parameters_.end(),
+                     [&](const Parameter& each) { return each.name() == name; });
+}
+
 const Parameter& ParameterSet::at(const std::string& name) const {
   const auto place = std::find_if(parameters_.begin(), parameters_.end(),
                                   [&](const Parameter& parameter) { return parameter.name() == name; });

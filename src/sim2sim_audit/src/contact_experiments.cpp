@@ -204,7 +204,8 @@ SlippingPush slippingPush(Bench& bench, const Measurements& found, double from) 
   WorldState start = teeAtYawZero(bench);
   const double back = surfaceAt(bench, {from, 0.0}, {0.0, 1.0}, task.bar_half_width + task.pusher_radius);
   start.pusher_position = start.tee_position + Eigen::Vector2d(from, back);
-  const Eigen::Vector2d command(0.75, -0.3);
+  // A drive to a position pushes hardest at the begin of a step: slow pushes hardly turn the tee meanwhile.
+  const Eigen::Vector2d command = (bench.commandsVelocities() ? 1.0 : 0.1) * Eigen::Vector2d(0.75, -0.3);
   const auto states = bench.run(start, {command});
   const Eigen::Rotation2Dd to_body(-states[1].tee_yaw);
   const double to = (to_body * (states[1].pusher_position - states[1].tee_position)).x();

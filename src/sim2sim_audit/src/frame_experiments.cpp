@@ -187,7 +187,7 @@ std::vector<Sample> pushedTee(Bench& bench) {
       const std::vector<Sample> of_push =
           steadiest(bench.commandsVelocities()
                         ? bench.run(start, std::vector<Eigen::Vector2d>(steps, speed * along))
-                        : bench.runTowards(start, start.pusher_position + (speed / 0.2) * kWay * along, 6));
+                        : bench.runTowards(start, start.pusher_position + (speed / 0.2) * kWay * along, 8));
       samples.insert(samples.end(), of_push.begin(), of_push.end());
     }
   }

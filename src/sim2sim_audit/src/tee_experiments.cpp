@@ -220,11 +220,14 @@ void setCoulombForm(const SlideLaws& slides, const TeeFit& fit, bool has_frictio
 /// friction at the center of mass acts on a tee, its motions show them over its moment alone; then a push shows that.
 void setTurning(Bench& bench, const TeeFit& fit, double mass, Measurements& found) {
   const TeeNumbers& numbers = fit.numbers;
+  constexpr double kRounding = 1e-6;  // [m^2/s^2] of a task that has no friction
+  const bool has_friction = bench.physics().tee_yaw_friction > 0.0 || numbers.yaw_friction > kRounding;
+  const double yaw_friction = has_friction ? numbers.yaw_friction : 0.0;
   constexpr double kUnknown = 0.3;  // [-] relative error
   if (kSigmas * fit.errors[1] < kUnknown * numbers.moment) {
     found.set(Property::kTeeMoment, numbers.moment * mass, kSigmas * fit.errors[1] * mass);
     found.set(Property::kTeeYawDamping, numbers.yaw_damping * mass, kSigmas * fit.errors[3] * mass);
-    found.set(Property::kTeeYawFriction, numbers.yaw_friction * mass, kSigmas * fit.errors[6] * mass);
+    found.set(Property::kTeeYawFriction, yaw_friction * mass, kSigmas * fit.errors[6] * mass);
     return;
   }
   const double yaw_drag = numbers.yaw_damping / numbers.moment;  // [1/s]
@@ -235,7 +238,7 @@ void setTurning(Bench& bench, const TeeFit& fit, double mass, Measurements& foun
   const auto set = [&](Property property, double value) { found.set(property, value, kOfPush * value); };
   set(Property::kTeeMoment, moment);
   set(Property::kTeeYawDamping, yaw_drag * moment);
-  set(Property::kTeeYawFriction, numbers.yaw_friction / numbers.moment * moment);
+  set(Property::kTeeYawFriction, yaw_friction / numbers.moment * moment);
 }
 
 void freeTee(Bench& bench, Measurements& found) {

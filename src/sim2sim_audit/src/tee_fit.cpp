@@ -156,6 +156,14 @@ TeeFit fitOverIntegrators(TeeModelForm form, const TeeNumbers& begin, const std:
   return best;
 }
 
+/// Better of a fit and one in which bodies move first.
+TeeFit fitOverOrders(const TeeFit& best, const TeeNumbers& begin, const std::vector<Observed>& all) {
+  TeeModelForm form = best.form;
+  form.integrator = TeeIntegrator::kBody;
+  form.moves_first = true;
+  return best.residual > kExact ? better(best, fitFrom(begin, form, all)) : best;
+}
+
 /// Fit with the shorter of `substeps` that are better, one after the other.
 TeeFit refined(TeeFit best, const std::vector<int>& substeps, const std::vector<Observed>& all) {
   for (const int count : substeps) {
@@ -203,7 +211,12 @@ TeeFit fitFreeTee(Bench& bench, const TeeNumbers& begin, std::optional<bool> dis
   }
   TeeModelForm form;
   form.disc_friction = disc.value_or(false);
-  const TeeFit first = fitOverIntegrators(form, begin, all);
+  if (bench.physics().table_point != 0.0) {
+    form.integrator = TeeIntegrator::kBody;  // no coordinates are of the tee origin
+  }
+  const bool is_of_body = form.integrator == TeeIntegrator::kBody;
+  const TeeFit over_integrators = fitOverIntegrators(form, begin, all);
+  const TeeFit first = is_of_body ? fitOverOrders(over_integrators, begin, all) : over_integrators;
   // Engines take substeps of 10, 5, 2, 1 or 0.5 ms.
   const TeeFit sharp = refined(disc ? first : boxOrDisc(first, begin, all), {20, 50, 100, 200}, all);
   return disc ? sharp : sharpOrSmooth(sharp, begin, all);

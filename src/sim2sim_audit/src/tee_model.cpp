@@ -146,10 +146,14 @@ void substepOfBody(const TeeNumbers& numbers, const TeeModelForm& form, double d
                                          -at_friction * damped / duration);
   const Vector3d velocity = damped + duration * (mobility * (at_friction.transpose() * friction));
   // The center's velocity does not change when the tee turns.
-  const Eigen::Vector2d of_center = velocity.head<2>() + velocity[2] * Eigen::Vector2d(-arm.y(), arm.x());
-  const double turned = yaw + duration * velocity[2];
+  const auto of_center_at = [&arm](const Vector3d& v) {
+    return Eigen::Vector2d(v.head<2>() + v[2] * Eigen::Vector2d(-arm.y(), arm.x()));
+  };
+  const Eigen::Vector2d of_center = of_center_at(velocity);
+  const Vector3d& moves_with = form.moves_first ? motion.velocity : velocity;
+  const double turned = yaw + duration * moves_with[2];
   const Eigen::Vector2d new_arm = armOf(center_of_all, turned);
-  motion.pose.head<2>() += arm + duration * of_center - new_arm;
+  motion.pose.head<2>() += arm + duration * of_center_at(moves_with) - new_arm;
   motion.pose[2] = turned;
   motion.velocity.head<2>() = of_center - velocity[2] * Eigen::Vector2d(-new_arm.y(), new_arm.x());
   motion.velocity[2] = velocity[2];

@@ -22,6 +22,7 @@ struct TeeModelForm {
   bool disc_friction = false;    ///< one limit in every direction; else one along each axis of the table
   int substeps = 10;             ///< in a control step
   bool smooth_friction = false;  ///< fades as tanh(speed / smoothing); else Coulomb's, which holds at rest
+  bool moves_first = false;  ///< bodies move in a substep before their velocities change, as Chipmunk's do; of kBody
 };
 
 /// Numbers of a tee, per its mass: no motion of a tee alone shows more. Points are on the body's axis, as distances

@@ -20,6 +20,7 @@
 #include "pusht_task/constants.hpp"
 #include "sim2sim_protocol/ending.hpp"
 #include "sim2sim_protocol/flight.hpp"
+#include "sim2sim_serving/transforms.hpp"
 #include "sim2sim_serving/world_markers.hpp"
 
 namespace sim2sim {
@@ -254,6 +255,38 @@ TEST(WorldMarkers, TheBodiesHaveTheSizesOfTheTaskAndStandOnTheTable) {
   EXPECT_EQ(pusher[0].type, static_cast<int>(Marker::CYLINDER));
   EXPECT_EQ(pusher[0].scale.x, 2.0 * pusht::kPusherRadius);
   EXPECT_EQ(pusher[0].scale.z, 2.0 * pusht::kPusherFrameHeight);
+}
+
+/// gym-pusht's table: walls at 5 and 506 px less their radius of 2 and the pusher's middle, the target at 45 degrees.
+TEST(WorldMarkers, ShowTheTaskAtHand) {
+  const MarkerArray world = pusht::worldMarkers("gym", pusht::gymPusht());
+  const Marker& table = world.markers.at(0);
+  EXPECT_NEAR(table.pose.position.x, -0.0005, kTolerance);
+  EXPECT_NEAR(table.pose.position.y, 0.0005, kTolerance);
+  EXPECT_NEAR(table.scale.x, 0.497, kTolerance);
+  const geometry_msgs::TransformStamped target = pusht::targetFrame("gym", pusht::gymPusht().target);
+  EXPECT_NEAR(target.transform.rotation.z, std::sin(-pusht::kPi / 8.0), kTolerance);
+  EXPECT_NEAR(target.transform.translation.x, -0.015 * std::sqrt(0.5), kTolerance);
+}
+
+TEST(Captions, SayHowMuchIsCoveredWhereThatCounts) {
+  pusht::Caption caption;
+  caption.task = pusht::gymPusht();
+  caption.moment = {7, 3, pusht::stateAtTarget(pusht::gymPusht())};
+  const MarkerArray markers = pusht::captionMarkers("gym", caption);
+  EXPECT_TRUE(std::any_of(markers.markers.begin(), markers.markers.end(),
+                          [](const Marker& marker) { return marker.text == "covers 1.00 of the target"; }));
+}
+
+TEST(Picture, StandsItsTargetWhereTheTaskHasIt) {
+  const Picture of_gym({{{"a", "A"}, {"b", "B"}, {"c", "C"}}}, pusht::gymPusht());
+  for (const geometry_msgs::TransformStamped& frame : of_gym.frames()) {
+    if (frame.child_frame_id == "b/target") {
+      EXPECT_NEAR(frame.transform.rotation.w, std::cos(-pusht::kPi / 8.0), kTolerance);
+      return;
+    }
+  }
+  FAIL() << "no frame b/target";
 }
 
 TEST(Picture, NoTwoMarkersShareAName) {

@@ -81,11 +81,11 @@ RunConfiguration configurationOf(const RunOptions& options) {
 }
 
 TEST(EveryOption, IsInTheTable) {
-  EXPECT_THAT(
-      namesOfOptions(),
-      ::testing::ElementsAre("task", "seed", "first_episode", "episodes", "horizon", "floor", "reanchor",
-                             "model_variants", "closed_variants", "bound_position", "bound_angle", "repeats",
-                             "noise_seed", "independent_noise", "execute", "overlapping_starts", "until_decided"));
+  EXPECT_THAT(namesOfOptions(),
+              ::testing::ElementsAre("task", "seed", "first_episode", "episodes", "horizon", "floor", "reanchor",
+                                     "model_variants", "closed_variants", "bound_position", "bound_angle", "repeats",
+                                     "noise_seed", "independent_noise", "execute", "overlapping_starts",
+                                     "until_decided", "target_coverage"));
 }
 
 TEST(EveryOption, ComesThroughAGoal) {

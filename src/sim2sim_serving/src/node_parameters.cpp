@@ -72,12 +72,10 @@ bool sameValue(const std::string& a, const std::string& b) {
 }
 
 ParameterSet withTask(const SimulatorKind& kind) {
-  std::vector<ParameterDescriptor> descriptors = kind.parameters;
   ParameterDescriptor task{kTaskParameter, "", "what all simulators of a run agree on", fullCircle().name};
   task.only_if_changed = true;
-  descriptors.push_back(task);
-  ParameterSet set(descriptors);
-  set.set(kTaskParameter, kind.ownTask().name);
+  ParameterSet set = kind.defaults(kind.ownTask());
+  set.add({task, kind.ownTask().name});
   return set;
 }
 

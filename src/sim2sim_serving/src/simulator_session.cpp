@@ -66,10 +66,17 @@ Response answer(const std::string& instance_id, const Serve& serve) {
   return response;
 }
 
-/// Model of a kind with values of withTask(), which then has the task as a run carries it.
+/// Model of a kind. Its parameters have the task, as a run carries it.
 SimulatorModel loadedInTask(const SimulatorKind& kind, ParameterSet parameters) {
+  if (!parameters.has(kTaskParameter)) {
+    parameters.add(withTask(kind).at(kTaskParameter));
+  }
   parameters.set(kTaskParameter, textOf(taskNamed(parameters.get<std::string>(kTaskParameter))));
-  return kind.load(parameters, taskNamed(parameters.get<std::string>(kTaskParameter)));
+  SimulatorModel model = kind.load(parameters, taskNamed(parameters.get<std::string>(kTaskParameter)));
+  if (!model.parameters.has(kTaskParameter)) {  // the kind names its own parameters alone
+    model.parameters.add(parameters.at(kTaskParameter));
+  }
+  return model;
 }
 
 WorldState startOf(const pusht_msgs::ResetRequest& request, const Task& task) {

@@ -32,7 +32,8 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 /// The pusher goes where it is told; after `steps_to_failure` steps since the start the simulation fails.
 class Brittle : public Simulator {
  public:
-  explicit Brittle(int steps_to_failure) : Simulator("", 1e-12), steps_to_failure_(steps_to_failure) {}
+  explicit Brittle(int steps_to_failure, const Task& task = fullCircle())
+      : Simulator("", 1e-12, task), steps_to_failure_(steps_to_failure) {}
 
  private:
   void doReset(const WorldState& state) override {
@@ -130,6 +131,56 @@ TEST_F(SimulatorSessions, ToldOfByTheStartTolerance) {
     description.start_tolerance = bad;
     EXPECT_THROW(startToleranceOf(description), BadDependency) << bad;
   }
+}
+
+/// The course's task is not told of, as nodes never did; another one is, and decides starts, steps and hash.
+TEST_F(SimulatorSessions, TakeATaskAndGiveItBack) {
+  SimulatorKind any = kind();
+  any.tasks.clear();
+  any.loader = [](const ParameterSet& parameters, const Task& task) {
+    SimulatorModel model;
+    model.parameters = ParameterSet({parameters.at("steps").descriptor});  // its own parameters alone
+    model.make_world = [&task] { return std::make_unique<Brittle>(2, task); };
+    return model;
+  };
+  SimulatorSession session(any, withTask(any), "any", [](const auto&) {});
+  served_ = &session;
+  const auto before = session.describe();
+  EXPECT_THAT(before.parameters, SizeIs(1));
+
+  const auto configured = configure("", {parameter("task", "gym_pusht")});
+  EXPECT_EQ(configured.message, "");
+  EXPECT_EQ(configured.parameters.back(), parameter("task", "gym_pusht"));
+  const auto described = session.describe();
+  EXPECT_NE(described.parameters_hash, before.parameters_hash);
+  EXPECT_EQ(described.parameter_descriptors.back().default_value, "full_circle");
+  pusht_msgs::ResetRequest request;
+  request.seed = 100'007;
+  const auto begun = session.reset(request);
+  EXPECT_EQ(fromMessage(begun.state), spawn(100'007, gymPusht()));
+  pusht_msgs::StepRequest push;
+  push.action = {300.0F, 200.0F};
+  EXPECT_NEAR(session.step(push).state.pusher_x - begun.state.pusher_x, 30.0, 1e-4) << "which is not clipped";
+
+  EXPECT_EQ(configure("", {parameter("task", "full_circle")}).message, "");
+  EXPECT_EQ(session.describe().parameters, before.parameters);
+  EXPECT_EQ(session.describe().parameters_hash, before.parameters_hash);
+  EXPECT_EQ(fromMessage(session.reset(request).state), spawn(100'007));
+}
+
+TEST_F(SimulatorSessions, RefuseATaskThatTheirKindDoesNotHold) {
+  EXPECT_EQ(configure("", {parameter("task", "gym_pusht")}).message,
+            "task gym_pusht: the kind brittle holds only full_circle");
+  EXPECT_THAT(configure("", {parameter("task", "pusht")}).message, HasSubstr("must be one of: full_circle"));
+  EXPECT_THAT(session_.describe().parameters, SizeIs(1)) << "nothing has changed";
+}
+
+/// A node of a kind of another task is of that one from the start, and says so.
+TEST_F(SimulatorSessions, AreOfTheirKindsOwnTask) {
+  SimulatorKind gym = kind();
+  gym.tasks = {"gym_pusht"};
+  SimulatorSession session(gym, withTask(gym), "gym", [](const auto&) {});
+  EXPECT_EQ(session.describe().parameters.back(), parameter("task", "gym_pusht"));
 }
 
 TEST_F(SimulatorSessions, RefusesWhatTheKindDoesNotTake) {
@@ -312,11 +363,11 @@ class KindsOfSessions : public SimulatorSessions {
     tough.parameters.push_back({"label", "", "for people", std::string("plain"), 0, 0, "", {"plain", "broken"}});
     tough.parameters.back().presets = {{"plain", {{"steps", "2"}}}};
     tough.start_tolerance = 1e-9;
-    tough.loader = [load = tough.loader](const ParameterSet& parameters) {
+    tough.loader = [load = tough.loader](const ParameterSet& parameters, const Task& task) {
       if (parameters.get<std::string>("label") == "broken") {
         throw BadDependency("no such engine");
       }
-      SimulatorModel model = load(parameters);
+      SimulatorModel model = load(parameters, task);
       model.provenance["tough"] = true;
       return model;
     };

@@ -37,10 +37,11 @@ class PlanarSimulator : public Simulator {
   using Model = typename Physics::Model;
 
   /// Throws InvalidInput if a parameter is out of range.
-  explicit PlanarSimulator(const Parameters& parameters = {}) : PlanarSimulator(Physics::modelOf(parameters)) {}
+  explicit PlanarSimulator(const Parameters& parameters = {})
+      : PlanarSimulator(Physics::modelOf(parameters), fullCircle()) {}
 
   /// World of a task. Its bodies have the tee at the point where the table acts on it.
-  explicit PlanarSimulator(const Model& model, const Task& task = fullCircle());
+  PlanarSimulator(const Model& model, const Task& task);
 
   const Bodies& bodies() const { return bodies_; }
 

@@ -103,6 +103,12 @@ class ParameterSet {
     return std::get<Value>(at(name).value);
   }
 
+  /// Whether there is a parameter of this name.
+  bool has(const std::string& name) const;
+
+  /// Adds a parameter that is of no kind.
+  void add(Parameter parameter) { parameters_.push_back(std::move(parameter)); }
+
   bool empty() const { return parameters_.empty(); }
   auto begin() const { return parameters_.begin(); }
   auto end() const { return parameters_.end(); }

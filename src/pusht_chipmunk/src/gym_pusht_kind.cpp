@@ -66,6 +66,9 @@ const SimulatorKind& gymPushtKind() {
     made.start_tolerance = kGymStartTolerance;
     made.loader = loadGymPusht;
     made.tasks = {gymPusht().name};
+    made.departures = {"center_of_mass",   "tee_moment",  "tee_damping",   "tee_yaw_damping", "tee_yaw_friction",
+                       "contact_friction", "pusher_mass", "wall_up",       "wall_down",       "wall_right",
+                       "wall_left",        "tee_wall_up", "tee_wall_down", "tee_wall_right",  "tee_wall_left"};
     return made;
   }();
   return kind;

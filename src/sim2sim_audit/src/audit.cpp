@@ -67,8 +67,10 @@ Measurements inSi(const Measurements& measured, double common_factor, double gai
 }
 
 /// Measurements of `world` in units in which they can be compared with the reference's, which are in SI.
-Measurements comparable(const Measurements& reference, const Measurements& world, double gain) {
-  return inSi(world, commonFactor(reference, world), gain);
+Measurements comparable(const Measurements& reference, const Measurements& world, const pusht::Physics& task) {
+  // Where actions are positions, the unit is the task's mass of the tee.
+  const double factor = task.drive == pusht::Drive::kVelocity ? commonFactor(reference, world) : 1.0;
+  return inSi(world, factor, task.servo_gain);
 }
 
 /// Mass [kg] that the pusher has if its servo is explicit. It acts then at the velocity at a substep's begin, and moves
@@ -293,14 +295,13 @@ bool Audit::hasContractErrors() const {
 Audit compare(const Measurements& reference, const Measurements& engine, const std::vector<Measurements>& variants,
               double start_tolerance, const std::vector<std::string>& departures, const pusht::Task& task) {
   requireKeys(departures);
-  const double gain = task.physics.servo_gain;
-  Measurements reference_si = inSi(reference, 1.0, gain);
-  Measurements engine_si = comparable(reference, engine, gain);
+  Measurements reference_si = inSi(reference, 1.0, task.physics.servo_gain);
+  Measurements engine_si = comparable(reference, engine, task.physics);
   readServos(reference_si, engine_si);
   std::vector<Measurements> variants_si;
   variants_si.reserve(variants.size());
   for (const Measurements& variant : variants) {
-    variants_si.push_back(comparable(reference, variant, gain));
+    variants_si.push_back(comparable(reference, variant, task.physics));
     readServo(variants_si.back(), isServoExplicit(variants_si.back(), reference_si));
     // A variant's explicit servo, as of MuJoCo's Euler, makes no other explicit servo the same.
     variants_si.back().withdraw(Property::kServoLag, "of a model variant");

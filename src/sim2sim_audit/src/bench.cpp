@@ -69,16 +69,6 @@ std::vector<pusht::WorldState> Bench::run(const pusht::WorldState& start,
   return states;
 }
 
-std::vector<pusht::WorldState> Bench::runTowards(const pusht::WorldState& start, const Eigen::Vector2d& target,
-                                                 int steps) {
-  std::vector<pusht::WorldState> states = {reset(start)};
-  for (int i = 0; i < steps; ++i) {
-    world_.step(pusht::actionFor(Eigen::Vector2d::Zero(), target, task()));
-    states.push_back(reported());
-  }
-  return states;
-}
-
 bool Bench::isPushedApart(const pusht::WorldState& state) {
   pusht::WorldState before;
   try {

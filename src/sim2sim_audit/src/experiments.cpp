@@ -35,7 +35,7 @@ const std::vector<Experiment>& allExperiments() {
     for (const auto& area : {bookkeepingExperiments, actionExperiments, frameExperiments, servoExperiments,
                              shapeExperiments, wallExperiments, teeExperiments, contactExperiments}) {
       for (Experiment& experiment : area()) {
-        experiment.needs_velocities = area == actionExperiments || area == servoExperiments;
+        experiment.needs_velocities |= area == actionExperiments || area == servoExperiments;
         result.push_back(std::move(experiment));
       }
     }

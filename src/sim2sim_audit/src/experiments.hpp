@@ -17,7 +17,7 @@ struct Experiment {
   /// Fills `measurements`; may read what earlier experiments found. Throws what the world throws, and
   /// std::runtime_error with the reason where it cannot measure.
   void (*carry_out)(Bench& bench, Measurements& measurements);
-  bool needs_velocities = false;  ///< whether actions must be velocities
+  bool needs_velocities = false;  ///< whether actions must be velocities, so that pushes are steady
 };
 
 /// All experiments, in the order in which they are carried out.

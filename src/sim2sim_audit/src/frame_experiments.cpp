@@ -182,12 +182,8 @@ std::vector<Sample> pushedTee(Bench& bench) {
       const Eigen::Rotation2Dd turn(push.yaw);
       start.pusher_position = start.tee_position + turn * push.from;
       const auto steps = static_cast<std::size_t>(kWay / (speed * pusht::kControlStep));
-      const Eigen::Vector2d along = turn * push.direction;
-      // A position that stays is the steadiest push of a drive to it.
       const std::vector<Sample> of_push =
-          steadiest(bench.commandsVelocities()
-                        ? bench.run(start, std::vector<Eigen::Vector2d>(steps, speed * along))
-                        : bench.runTowards(start, start.pusher_position + (speed / 0.2) * kWay * along, 8));
+          steadiest(bench.run(start, std::vector<Eigen::Vector2d>(steps, speed * (turn * push.direction))));
       samples.insert(samples.end(), of_push.begin(), of_push.end());
     }
   }
@@ -292,7 +288,8 @@ std::vector<Experiment> frameExperiments() {
           {"velocities of the tee",
            {Property::kTeeVelocityFrame, Property::kTeeVelocityFactor, Property::kTeeVelocityPoint,
             Property::kYawRateFactor},
-           teeVelocities}};
+           teeVelocities,
+           true}};
 }
 
 }  // namespace sim2sim

@@ -40,10 +40,6 @@ class Bench {
   /// States reported after the reset and after each command.
   std::vector<pusht::WorldState> run(const pusht::WorldState& start, const std::vector<Eigen::Vector2d>& commands);
 
-  /// States reported after the reset and after each of so many control steps of a task whose actions are positions, in
-  /// which the pusher is drawn to `target` [m].
-  std::vector<pusht::WorldState> runTowards(const pusht::WorldState& start, const Eigen::Vector2d& target, int steps);
-
   /// Whether a world at rest in `state` moves when nothing is commanded, or refuses that start, as bodies do that
   /// overlap.
   bool isPushedApart(const pusht::WorldState& state);

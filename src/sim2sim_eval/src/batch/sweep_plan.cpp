@@ -33,7 +33,7 @@ void setParameter(SimulatorChoice& row, const YAML::Node& key, const YAML::Node&
 
 /// Throws InvalidInput in the line of `node` if the kind refuses the setting.
 void requireLoads(const YAML::Node& node, const SimulatorChoice& row) {
-  inLineOf(node, [&] { row.kind.get().load(row.parameters); });
+  inLineOf(node, [&] { row.kind.get().load(row.parameters, row.kind.get().ownTask()); });
 }
 
 void requireRowLimit(const YAML::Node& node, const std::string& key, std::size_t rows) {

@@ -95,7 +95,7 @@ def _ways(run: Run, trace: Any) -> List[Any]:
     """Arrows of the actions along x and y, which page.js draws 0.1 m long for 1 m/s: velocities,
     or, so long that they end there, the ways to positions."""
     described = run.provenance.get("task")
-    if described is None or described["drive"] == "velocity":
+    if described is None or described["physics"]["drive"] == "velocity":
         return [trace["action_x"], trace["action_y"]]
     frame = described["frame"]
     x = (trace["action_x"] - frame["middle"][0]) / frame["per_meter"]

@@ -95,7 +95,7 @@ BulletScene::Body BulletScene::makeBody(double mass, double moment, btCollisionS
   // A moment of 0 is an infinite one to Bullet.
   btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, shape, {0.0, 0.0, moment});
   info.m_startWorldTransform = pose;
-  info.m_friction = physics().contact_friction;
+  info.m_friction = std::sqrt(physics().contact_friction);  // those of two bodies are multiplied
   auto body = std::make_unique<btRigidBody>(info);
   body->setLinearFactor(linear);
   body->setAngularFactor({0.0, 0.0, 1.0});
@@ -186,7 +186,7 @@ void BulletScene::addFrictionPerAxis(const Eigen::Vector2d& point) {
 void BulletScene::addIdiomaticFriction() {
   // Bullet multiplies the coefficients of two bodies. The plane's makes friction the scene's in a straight slide.
   const double weight = physics().tee_mass * kGravity;  // [N]
-  table_->setFriction(physics().tee_friction[0] / (weight * physics().contact_friction));
+  table_->setFriction(physics().tee_friction[0] / (weight * std::sqrt(physics().contact_friction)));
   world_.addRigidBody(table_.get(), kTableGroup, btBroadphaseProxy::AllFilter ^ btBroadphaseProxy::StaticFilter);
   tee_->setGravity({0.0, 0.0, -weight * tee_->getInvMass()});
 }

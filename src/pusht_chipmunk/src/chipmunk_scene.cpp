@@ -81,7 +81,7 @@ cpBody* ChipmunkScene::addBody(double mass, double moment) {
 
 void ChipmunkScene::addShape(cpShape* shape) {
   shapes_.emplace_back(cpSpaceAddShape(space_.get(), shape));
-  cpShapeSetFriction(shape, physics().contact_friction);
+  cpShapeSetFriction(shape, std::sqrt(physics().contact_friction));  // those of two bodies are multiplied
 }
 
 void ChipmunkScene::addBox(cpBody* body, const PlacedBox& box) {

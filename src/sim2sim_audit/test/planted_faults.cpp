@@ -191,7 +191,7 @@ std::vector<PlantedFault> contactFaults() {
       {"contact friction 0.5",
        {P::kContactFriction},
        mujocoWith(friction(0.5)),
-       chipmunkWith(scaled(&Physics::contact_friction, std::sqrt(0.5))),
+       chipmunkWith(scaled(&Physics::contact_friction, 0.5)),
        {}},
       {"contact friction missing",
        {P::kContactFriction},

@@ -436,7 +436,7 @@ TEST_F(KindsOfSessions, ChangeNothingWhenTheyRefuse) {
   for (const auto& [kind, changes, reason] :
        {std::tuple("rubber", Parameters{}, unknown),
         std::tuple("brittle", Parameters{parameter("label", "plain")},
-                   std::string("parameter 'label': unknown; known: steps")),
+                   std::string("parameter 'label': unknown; known: steps, task")),
         std::tuple("tough", Parameters{parameter("steps", "11")},
                    std::string("steps 11: must be from 0 to 10: no test is that patient")),
         std::tuple("tough", Parameters{parameter("label", "broken")}, std::string("no such engine"))}) {

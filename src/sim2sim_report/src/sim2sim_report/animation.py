@@ -181,7 +181,7 @@ def _tee(geometry: Json, pose: Sequence[float], style: str) -> str:
     x, y, yaw = map(float, pose)
     sin, cos = math.sin(yaw), math.cos(yaw)
     points = " ".join(
-        f"{1000 * (x + cos * across - sin * along):.0f},{-1000 * (y + sin * across + cos * along):.0f}"
-        for across, along in outline
+        f"{1000 * (x + cos * u - sin * w):.0f},{-1000 * (y + sin * u + cos * w):.0f}"
+        for u, w in outline
     )
     return f'<polygon points="{points}" {style}/>'

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "pusht_task/error.hpp"
 #include "pusht_task/numbers.hpp"
 
 namespace pusht {
@@ -185,6 +186,9 @@ void BulletScene::addFrictionPerAxis(const Eigen::Vector2d& point) {
 
 void BulletScene::addIdiomaticFriction() {
   // Bullet multiplies the coefficients of two bodies. The plane's makes friction the scene's in a straight slide.
+  if (physics().contact_friction == 0.0) {
+    throw InvalidInput("contact_friction 0.0: must be above 0 with table_friction false: Bullet's table is a contact");
+  }
   const double weight = physics().tee_mass * kGravity;  // [N]
   table_->setFriction(physics().tee_friction[0] / (weight * std::sqrt(physics().contact_friction)));
   world_.addRigidBody(table_.get(), kTableGroup, btBroadphaseProxy::AllFilter ^ btBroadphaseProxy::StaticFilter);

@@ -24,7 +24,7 @@ constexpr double momentOfPart(double mass, double half_x, double half_y) {
 
 /// [kg m^2] Moment of inertia of the tee of a task about its origin. That of full_circle has the engine's order of
 /// operations; others are told by their difference from it.
-double momentOfTee(const Physics& physics) {
+double momentInOrder(const Physics& physics) {
   constexpr double kMomentOfBoxes = kStemMass * kStemOffset * kStemOffset +
                                     momentOfPart(kBarMass, kBarHalfLength, kTeeHalfWidth) +
                                     momentOfPart(kStemMass, kTeeHalfWidth, kStemHalfLength);
@@ -73,7 +73,8 @@ rigid_body::Model rigid_body::modelOf(const RigidBodyParameters& parameters, con
   model.substep = parameters.substep;
   setGeometry(physics, model);
   model.contact_friction = std::max(physics.contact_friction, kLeastFriction);
-  const double moment = parameters.tee_inertia ? momentOfTee(physics) : physics.tee_first_moment * physics.stem_offset;
+  const double moment =
+      parameters.tee_inertia ? momentInOrder(physics) : physics.tee_first_moment * physics.stem_offset;
   const TeeInertia tee = {physics.tee_mass, physics.tee_first_moment, moment};
   model.tee_mass = tee.mass;
   model.tee_moment = tee.momentAbout(physics.table_point);

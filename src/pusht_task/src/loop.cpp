@@ -290,4 +290,11 @@ std::unique_ptr<Policy> looped(std::unique_ptr<Policy> policy, const ParameterSe
   return std::make_unique<LoopedPolicy>(std::move(policy), reference, engine);
 }
 
+void requireLoop(const Task& task, const ParameterSet& loop) {
+  if (&task != &fullCircle() && !isPlain(loop)) {
+    throw InvalidInput("loop " + textOf(loop) + ": must be left out in the task " + task.name +
+                       ": its noise and delays are those of velocities");
+  }
+}
+
 }  // namespace pusht

@@ -38,9 +38,9 @@ PhysicsNumber member(const char* name, const char* unit, const char* meaning, do
 const std::vector<PhysicsNumber>& physicsNumbers() {
   static const std::vector<PhysicsNumber> numbers = {
       number(
-          "tee_body_mass", "kg", "mass of the tee; its shares in bar and stem stay", 1e-3, 100.0,
+          "tee_body_mass", "kg", "mass of the tee; its shares in bar and stem stay", kLeastMass, kMostMass,
           [](const Physics& physics) { return physics.tee_mass; }, setTeeMass),
-      member<&Physics::pusher_mass>("pusher_body_mass", "kg", "mass of the pusher", 1e-3, 100.0),
+      member<&Physics::pusher_mass>("pusher_body_mass", "kg", "mass of the pusher", kLeastMass, kMostMass),
       member<&Physics::contact_friction>("contact_friction", "", "coefficient of sliding friction in contacts", 0.0,
                                          10.0),
       member<&Physics::tee_damping>("tee_damping", "N s/m", "viscous friction of the tee with the table, per axis", 0.0,

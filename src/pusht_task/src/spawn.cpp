@@ -166,12 +166,12 @@ WorldState onRing(std::uint64_t seed, const Task& task) {
         state.tee_yaw = generator.uniform(-kPi, kPi);
       },
       [&] { return wallGapsOf(state, task).tee > 0.0; });
-  const auto [x, y] = task.physics.wall_middle;
+  const Eigen::Vector2d middle(task.physics.wall_middle[0], task.physics.wall_middle[1]);
   drawUntil(
       task, "pusher",
       [&] {
-        state.pusher_position.x() = x + generator.uniform(-ring.pusher_bound, ring.pusher_bound);
-        state.pusher_position.y() = y + generator.uniform(-ring.pusher_bound, ring.pusher_bound);
+        state.pusher_position.x() = middle.x() + generator.uniform(-ring.pusher_bound, ring.pusher_bound);
+        state.pusher_position.y() = middle.y() + generator.uniform(-ring.pusher_bound, ring.pusher_bound);
       },
       [&] {
         return (state.pusher_position - state.tee_position).norm() > ring.pusher_clearance &&

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cstdint>
 #include <filesystem>
 #include <initializer_list>
 #include <limits>
@@ -55,9 +57,9 @@ class Writer {
     result[name] = value ? ordered_json(*value) : ordered_json();
   }
   void numbers(const char* name, std::initializer_list<double*> values, double /*least*/, double /*greatest*/) {
-    for (const double* value : values) {
-      result[name].push_back(*value);
-    }
+    std::vector<double> numbers(values.size());
+    std::transform(values.begin(), values.end(), numbers.begin(), [](const double* value) { return *value; });
+    result[name] = numbers;
   }
   template <class Value>
   void word(const char* name, const Value& value, const std::map<std::string, Value>& words) {
@@ -108,7 +110,9 @@ class Reader {
   void entry(const char* name, Integer& value, double least, double greatest) {
     if (const ordered_json* found = find(name)) {
       require(found->is_number_unsigned() && found->get<double>() >= least && found->get<double>() <= greatest, name,
-              *found, "an integer from " + shortestText(least) + " to " + shortestText(greatest));
+              *found,
+              "an integer from " + std::to_string(static_cast<std::int64_t>(least)) + " to " +
+                  std::to_string(static_cast<std::int64_t>(greatest)));
       value = found->get<Integer>();
     }
   }
@@ -196,7 +200,7 @@ void visit(Task& task, Visitor& visitor) {
     }
   });
   visitor.section("physics", [&](auto& of) {
-    of.entry("tee_body_mass", physics.tee_mass, kTiny, kLargest);
+    of.entry("tee_body_mass", physics.tee_mass, kLeastMass, kMostMass);
     of.entry("tee_first_moment", physics.tee_first_moment, 0.0, kLargest);
     of.entry("tee_second_moment", physics.tee_second_moment, 1e-12, kLargest);
     of.entry("tee_damping", physics.tee_damping, 0.0, kLargest);
@@ -205,7 +209,7 @@ void visit(Task& task, Visitor& visitor) {
     of.entry("tee_yaw_friction", physics.tee_yaw_friction, 0.0, kLargest);
     of.entry("table_point", physics.table_point, -kTable, kTable);
     of.entry("contact_friction", physics.contact_friction, 0.0, 10.0);
-    of.entry("pusher_body_mass", physics.pusher_mass, kTiny, kLargest);
+    of.entry("pusher_body_mass", physics.pusher_mass, kLeastMass, kMostMass);
     of.word("drive", physics.drive, kDrives);
     of.entry("servo_stiffness", physics.servo_stiffness, 0.0, kLargest);
     of.entry("servo_gain", physics.servo_gain, 0.0, kLargest);
@@ -224,7 +228,7 @@ void visit(Task& task, Visitor& visitor) {
     of.entry("y_down", task.frame.y_down);
     of.entry("bar_center", task.frame.bar_center, -kLargest, kLargest);
   });
-  visitor.entry("action_limit", task.action_limit, kTiny, kLargest);
+  visitor.entry("action_limit", task.action_limit, 1e-3, kLargest);
   visitor.section("success", [&](auto& of) {
     of.entry("coverage", task.success.coverage, 0.0, 1.0);
     of.entry("position", task.success.position_tolerance, kTiny, kTable);
@@ -236,7 +240,7 @@ void visit(Task& task, Visitor& visitor) {
     of.numbers("ring", {&task.ring.least_radius, &task.ring.greatest_radius}, 0.0, kTable);
     of.entry("pusher_bound", task.ring.pusher_bound, kTiny, kTable);
     of.entry("pusher_clearance", task.ring.pusher_clearance, 0.0, kTable);
-    of.entry("first_seed", task.first_spawn_seed, 0.0, 1e15);
+    of.entry("first_seed", task.first_spawn_seed, 1, 1e15);
   });
 }
 
@@ -246,14 +250,20 @@ void completeInertia(const ordered_json& content, Physics& physics) {
   if (!content.contains("sizes") && !of_physics.contains("tee_body_mass")) {
     return;
   }
-  const double bar_area = physics.bar_half_length * physics.bar_half_width;
-  const double stem_area = physics.stem_half_length * physics.stem_half_width;
-  const double stem_mass = physics.tee_mass * stem_area / (bar_area + stem_area);
+  const Physics uniform = withUniformTee(physics);
   if (!of_physics.contains("tee_first_moment")) {
-    physics.tee_first_moment = physics.stem_offset * stem_mass;
+    physics.tee_first_moment = uniform.tee_first_moment;
   }
   if (!of_physics.contains("tee_second_moment")) {
-    physics.tee_second_moment = momentOfTee(physics.tee_mass - stem_mass, stem_mass, physics);
+    physics.tee_second_moment = uniform.tee_second_moment;
+  }
+}
+
+/// Makes tolerances that a file has count in place of the coverage of the task that it is like.
+void chooseRule(const ordered_json& content, SuccessRule& rule) {
+  const ordered_json success = content.value("success", ordered_json::object());
+  if (!success.contains("coverage") && (success.contains("position") || success.contains("angle"))) {
+    rule.coverage.reset();
   }
 }
 
@@ -268,6 +278,10 @@ void requireWhole(const Task& task) {
   if (physics.drive == Drive::kPosition && !(physics.servo_stiffness > 0.0)) {
     throw InvalidInput("physics.servo_stiffness " + shortestText(physics.servo_stiffness) +
                        ": must be above 0 in a drive to a position");
+  }
+  if (physics.drive == Drive::kVelocity && !task.frame.isTables()) {
+    throw InvalidInput(
+        "physics.drive velocity: must be position in a frame of its own: velocities are the table's, m/s");
   }
   if (task.spawn == SpawnRule::kRing && task.ring.least_radius > task.ring.greatest_radius) {
     throw InvalidInput("starts.ring " + shortestText(task.ring.least_radius) + ", " +
@@ -300,9 +314,9 @@ Task taskFrom(const std::string& text) {
         "': must be a word of up to 60 letters, digits, - and _, and not be one of: " + joined(taskNames()));
   }
   completeInertia(content, task.physics);
-  if (task.spawn == SpawnRule::kGymPusht) {
-    task.last_spawn_seed = gymPusht().last_spawn_seed;
-  }
+  const bool is_32_bit = task.spawn == SpawnRule::kGymPusht;
+  task.last_spawn_seed = is_32_bit ? gymPusht().last_spawn_seed : fullCircle().last_spawn_seed;
+  chooseRule(content, task.success);
   task.target.yaw = wrapAngle(task.target.yaw);
   requireWhole(task);
   return task;

@@ -25,12 +25,8 @@ Physics soundPhysics() {
   constexpr double kPusherMass = 2.0;                                                  // [kg]
   constexpr double kMostAcceleration = dynamics::kServoLimit / dynamics::kPusherMass;  // [m/s^2]
   Physics physics;
-  const double bar_area = physics.bar_half_length * physics.bar_half_width;
-  const double stem_area = physics.stem_half_length * physics.stem_half_width;
-  const double stem_mass = kTeeMass * stem_area / (bar_area + stem_area);
   physics.tee_mass = kTeeMass;
-  physics.tee_first_moment = physics.stem_offset * stem_mass;
-  physics.tee_second_moment = momentOfTee(kTeeMass - stem_mass, stem_mass, physics);
+  physics = withUniformTee(physics);
   physics.tee_damping = kSlowing * kTeeMass;
   physics.table_point = physics.centerOfMass();
   physics.tee_yaw_damping = kSlowing * (physics.tee_second_moment - physics.tee_first_moment * physics.centerOfMass());

@@ -60,6 +60,13 @@ TEST(TaskFile, IsLikeAnotherTask) {
   EXPECT_EQ(spawn(100'003, task), spawn(100'003, gymPusht()));
 }
 
+TEST(TaskFile, IsJudgedByTheTolerancesThatItHas) {
+  const Task& task =
+      taskNamed(R"({"name": "mine", "like": "gym_pusht", "success": {"position": 0.02}, "starts": {"rule": "ring"}})");
+  EXPECT_FALSE(task.success.coverage);
+  EXPECT_EQ(task.last_spawn_seed, fullCircle().last_spawn_seed) << "seeds of a ring have 64 bits";
+}
+
 TEST(TaskFile, HasATextThatReadsAsTheSameTask) {
   const Task& task = taskNamed(kBigTee);
   EXPECT_EQ(&taskNamed(textOf(task)), &task) << "one task for one text, wherever it comes from";
@@ -123,10 +130,12 @@ TEST(TaskFile, RefusesValuesByTheirRule) {
   EXPECT_EQ(refusal(taskWith("/physics/drive", "force")),
             "task: physics.drive \"force\": must be one of: position, velocity");
   EXPECT_EQ(refusal(taskWith("/frame/y_down", 1)), "task: frame.y_down 1: must be true or false");
-  EXPECT_EQ(refusal(taskWith("/success/hold", 0)), "task: success.hold 0: must be an integer from 1.0 to 300.0");
+  EXPECT_EQ(refusal(taskWith("/success/hold", 0)), "task: success.hold 0: must be an integer from 1 to 300");
   EXPECT_EQ(refusal(taskWith("/target", {0.0, 0.0})), "task: target [0.0,0.0]: must be 3 numbers [...]");
   EXPECT_THAT(refusal(taskWith("/target", {0.35, 0.0, 0.0})),
               StartsWith("task: target: must be between the walls; a tee there is "));
+  EXPECT_EQ(refusal(R"({"name": "mine", "like": "gym_pusht", "physics": {"drive": "velocity"}})"),
+            "task: physics.drive velocity: must be position in a frame of its own: velocities are the table's, m/s");
   EXPECT_EQ(refusal(taskWith("/physics/drive", "position")),
             "task: physics.servo_stiffness 0.0: must be above 0 in a drive to a position");
   EXPECT_THAT(refusal(taskWith("/physics/tee_second_moment", 1e-6)), HasSubstr("the center of mass's share of it"));
@@ -140,10 +149,11 @@ TEST(PhysicsNumbers, AreOfTheTaskUnlessTheyAreSet) {
   EXPECT_FALSE(set.at("tee_damping").isRecorded());
   set.set("tee_damping", "2.5");
   EXPECT_TRUE(set.at("tee_damping").isRecorded());
-  Physics physics = physicsWith(set, gymPusht().physics);
-  EXPECT_EQ(physics.tee_damping, 2.5);
-  physics.tee_damping = gymPusht().physics.tee_damping;
-  EXPECT_EQ(physics.tee_mass, gymPusht().physics.tee_mass);
+  const Physics physics = physicsWith(set, gymPusht().physics);
+  for (const PhysicsNumber& number : physicsNumbers()) {
+    const double expected = number.descriptor.name == "tee_damping" ? 2.5 : number.of(gymPusht().physics);
+    EXPECT_EQ(number.of(physics), expected) << number.descriptor.name;
+  }
 }
 
 TEST(PhysicsNumbers, ATeeOfAnotherMassHasItsShares) {

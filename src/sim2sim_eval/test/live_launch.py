@@ -113,7 +113,7 @@ class Runs(LiveCase):
                     episodes=2,
                     horizon=60,
                     reanchor="5",
-                    model_variants="substep=0.005" if reference == "rigid_body" else "none",
+                    model_variants="timestep=0.005" if reference == "mujoco" else "none",
                     task=task,
                     reference=reference,
                     engine=engine,
@@ -123,6 +123,7 @@ class Runs(LiveCase):
                 self.assert_recomputed(run.out)
                 words = f"--policy expert --episodes 2 --horizon 60 --reanchor=5 --task {task}"
                 kinds = f"--reference {reference} --engine {engine}"
+                kinds += " --model-variants=timestep=0.005" * (reference == "mujoco")
                 self.assertEqual(
                     result_bytes(run.out), self.batch_bytes(*words.split(), *kinds.split())
                 )
@@ -135,6 +136,11 @@ class Runs(LiveCase):
                 **gym,
                 "engine": "chipmunk",
                 "parameters": {"policy/task": "full_circle"},
+            },
+            "must be left out in the task gym_pusht": {
+                **gym,
+                "engine": "chipmunk",
+                "engine_parameters": "loop.action_delay=1",
             },
             "task 'pusht': must be one of: full_circle, gym_pusht; or a file": {"task": "pusht"},
         }

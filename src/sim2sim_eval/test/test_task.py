@@ -166,6 +166,13 @@ class Tasks(CommandCase):
         """By experiments, in a world that is sound but for it. Damping in Chipmunk's order is not
         that of a tee which is damped implicitly, as the task's."""
         self.assertEqual(self.audit("mujoco"), [])
+        for kind in ("mujoco", "rigid_body", "chipmunk", "box2d", "bullet"):
+            out = f"friction_{kind}.json"
+            arguments = ("--engine", kind, "--set", "contact_friction=0.5", "--out", out)
+            self.succeeds(AUDIT, "--task", "gym_pusht", "--against", "task", *arguments)
+            properties = json.loads((self.folder / out).read_text())["properties"]
+            found = {each["property"]: each["engine"] for each in properties}
+            self.assertAlmostEqual(found["contact_friction"], 0.5, delta=0.05, msg=kind)
         self.assertEqual(
             self.audit("chipmunk", "--set", "tee_yaw_damping=0.1"), ["tee_yaw_damping"]
         )

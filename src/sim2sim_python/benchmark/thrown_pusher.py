@@ -14,7 +14,7 @@ from pusht_task.command import OneLineParser, run_command, say
 from pusht_task.json_file import write_json
 
 Vector = Any  # numpy.ndarray of float64
-WORLDS: Dict[str, Dict[str, bool]] = {
+WORLDS: Dict[str, Dict[str, Any]] = {
     "soft": {},
     "soft, continuous": {"continuous": True},
     "hard": {"softness": False},

@@ -24,11 +24,12 @@ typename Service::Response answerOf(ServiceCaller<Service>& caller, const typena
   }
 }
 
+bool isTask(const pusht_msgs::Parameter& parameter) { return parameter.name == kTaskParameter; }
+
 /// Sets the task among the `changes` of a node, unless that is full_circle and the node says of no other.
-void setTask(const Task& task, const pusht_msgs::DescribeResponse& node, Parameters& changes) {
-  const auto is_task = [](const pusht_msgs::Parameter& parameter) { return parameter.name == kTaskParameter; };
-  changes.erase(std::remove_if(changes.begin(), changes.end(), is_task), changes.end());
-  if (&task != &fullCircle() || std::any_of(node.parameters.begin(), node.parameters.end(), is_task)) {
+void setTask(const Task& task, bool says_task, Parameters& changes) {
+  changes.erase(std::remove_if(changes.begin(), changes.end(), isTask), changes.end());
+  if (&task != &fullCircle() || says_task) {
     changes.push_back(parameter(kTaskParameter, textOf(task)));
   }
 }
@@ -76,13 +77,14 @@ RemoteSimulator::RemoteSimulator(const Peer& peer, const StampSource& stamps,
       step_(peer, "step"),
       kind_(peer.description().name),
       version_(description.version),
+      says_task_(std::any_of(description.parameters.begin(), description.parameters.end(), isTask)),
       parameters_hash_(peer.description().parameters_hash) {}
 
 // Delegates, so that the destructor lets go of a world that refuses what follows.
 RemoteSimulator::RemoteSimulator(const Peer& peer, StampSource& stamps, const std::string& kind, Parameters changes,
                                  const Task& task)
     : RemoteSimulator(peer, stamps, describedAs(kind, peer), task) {
-  setTask(task, describedAs(kind, peer), changes);
+  setTask(task, says_task_, changes);
   stamps.raiseTo(peer.description().stamp);
   stamps.advance();
   silent_ = true;  // what is shown of the last run stays, should this one not begin

@@ -40,11 +40,10 @@ std::vector<ParameterDescriptor> descriptorsOf(const pusht_msgs::DescribeRespons
   return descriptors;
 }
 
-Parameters withoutTask(Parameters parameters) {
-  parameters.erase(std::remove_if(parameters.begin(), parameters.end(),
-                                  [](const auto& parameter) { return parameter.name == kTaskParameter; }),
-                   parameters.end());
-  return parameters;
+/// Whether a node says of a task, as those in another one than full_circle do.
+bool saysTask(const pusht_msgs::DescribeResponse& node) {
+  return std::any_of(node.parameters.begin(), node.parameters.end(),
+                     [](const auto& parameter) { return parameter.name == kTaskParameter; });
 }
 
 /// Node of a simulator. One thread at a time has it.
@@ -62,42 +61,49 @@ class ServedNode {
                           std::to_string(first_.parameters.size()) +
                           " parameters: must describe all, so that their defaults are known");
     }
-    defaults_ = ParameterSet(descriptorsOf(first_));
+    if (saysTask(first_)) {  // what is measured here is full_circle, in which its numbers are others
+      pusht_msgs::DescribeRequest as_it_begins;
+      as_it_begins.kind = first_.name;
+      descriptors_ = descriptorsOf(ServiceCaller<pusht_msgs::Describe>(peer_, "describe").call(as_it_begins));
+    } else {
+      descriptors_ = descriptorsOf(first_);
+    }
+    defaults_ = ParameterSet(descriptors_);
     code_ = codeOf(first_);
   }
 
   const pusht_msgs::DescribeResponse& description() const { return first_; }
+  const std::vector<ParameterDescriptor>& descriptors() const { return descriptors_; }
   const nlohmann::json& code() const { return code_; }
 
   /// Throws PeerFault if the node was replaced, or the master has died.
   void requireThere() const { peer_.requireSameOwner(); }
 
   /// The node's world with these parameters, taken over.
-  std::unique_ptr<RemoteSimulator> open(const ParameterSet& parameters, const Task& task) {
+  std::unique_ptr<RemoteSimulator> open(const ParameterSet& parameters) {
     connect(true);
     Parameters changes;
     for (const auto& [name, value] : fewestSettings(parameters, defaults_)) {
       changes.push_back(parameter(name, value));
     }
-    auto world = std::make_unique<RemoteSimulator>(peer_, stamps_, first_.name, changes, task);
+    auto world = std::make_unique<RemoteSimulator>(peer_, stamps_, first_.name, changes);
     requireSameCode(world->describe());
     world->silence();
     return world;
   }
 
   /// Parameters as the node reads them, and its provenance with them.
-  const std::pair<ParameterSet, nlohmann::json>& accepted(const ParameterSet& parameters, const Task& task) {
-    std::string key = textOf(task);
+  const std::pair<ParameterSet, nlohmann::json>& accepted(const ParameterSet& parameters) {
+    std::string key;
     for (const Parameter& parameter : parameters) {
       key.append(textOf(parameter.value)).append(1, '\0');
     }
     auto known = accepted_.find(key);
     if (known == accepted_.end()) {
-      const pusht_msgs::DescribeResponse now = open(parameters, task)->describe();
+      const pusht_msgs::DescribeResponse now = open(parameters)->describe();
       nlohmann::json provenance = provenanceOf(now);
       provenance["node"] = peer_.services();
-      known = accepted_.emplace(key, std::pair(merged(defaults_, withoutTask(now.parameters)), std::move(provenance)))
-                  .first;
+      known = accepted_.emplace(key, std::pair(merged(defaults_, now.parameters), std::move(provenance))).first;
     }
     return known->second;
   }
@@ -136,6 +142,7 @@ class ServedNode {
   StampSource stamps_;
   bool in_vain_ = false;  // whether the last wait was
   pusht_msgs::DescribeResponse first_;
+  std::vector<ParameterDescriptor> descriptors_;
   ParameterSet defaults_;
   nlohmann::json code_;
   std::map<std::string, std::pair<ParameterSet, nlohmann::json>> accepted_;  // by values
@@ -144,10 +151,8 @@ class ServedNode {
 /// World of a node that fails as one in this process would.
 class ServedWorld : public Simulator {
  public:
-  ServedWorld(std::shared_ptr<ServedNode> node, const ParameterSet& parameters, const Task& task)
-      : Simulator("", startToleranceOf(node->description()), task),
-        node_(std::move(node)),
-        world_(node_->open(parameters, task)) {}
+  ServedWorld(std::shared_ptr<ServedNode> node, const ParameterSet& parameters)
+      : Simulator("", startToleranceOf(node->description())), node_(std::move(node)), world_(node_->open(parameters)) {}
 
  private:
   void doReset(const WorldState& state) override {
@@ -183,14 +188,12 @@ ServedKind servedKind(const std::string& services, const NodeTimes& times, std::
   kind.name = description.name;
   kind.title = description.title.empty() ? description.name : description.title;
   kind.version = description.version;
-  kind.parameters = descriptorsOf(description);
+  kind.parameters = node->descriptors();
   kind.start_tolerance = startToleranceOf(description);
-  kind.tasks.clear();  // a node that does not hold the task says so when it is asked to
-  kind.loader = [node](const ParameterSet& asked, const Task& task) {
-    const auto& [parameters, provenance] = node->accepted(asked, task);
-    SimulatorModel model = modelOfWorlds(parameters, [node, parameters = parameters, &task] {
-      return std::make_unique<ServedWorld>(node, parameters, task);
-    });
+  kind.loader = [node](const ParameterSet& asked) {
+    const auto& [parameters, provenance] = node->accepted(asked);
+    SimulatorModel model = modelOfWorlds(
+        parameters, [node, parameters = parameters] { return std::make_unique<ServedWorld>(node, parameters); });
     model.provenance = provenance;
     return model;
   };

@@ -10,9 +10,7 @@
 ///     static Bodies bodiesOf(const WorldState&);  // bodies of a fresh world that starts there
 ///     static WorldState stateOf(const Bodies&);
 ///     static int substepsOf(const Model&);        // number of substeps in a control step
-///     // One substep in which the pusher is to move with velocity `command` [m/s], or to that place [m], as the task
-///     has
-///     // it.
+///     // One substep to `command`: a velocity [m/s], or a position [m] as the task has it.
 ///     static void substep(const Model&, const Eigen::Vector2d& command, Bodies&);
 ///   };
 ///
@@ -21,6 +19,7 @@
 #pragma once
 
 #include <optional>
+#include <utility>
 
 #include "pusht_task/mapping.hpp"
 #include "pusht_task/simulator.hpp"
@@ -37,11 +36,10 @@ class PlanarSimulator : public Simulator {
   using Model = typename Physics::Model;
 
   /// Throws InvalidInput if a parameter is out of range.
-  explicit PlanarSimulator(const Parameters& parameters = {})
-      : PlanarSimulator(Physics::modelOf(parameters), fullCircle()) {}
+  explicit PlanarSimulator(const Parameters& parameters = {});
 
   /// World of a task. Its bodies have the tee at the point where the table acts on it.
-  PlanarSimulator(const Model& model, const Task& task);
+  PlanarSimulator(Model model, const Task& task);
 
   const Bodies& bodies() const { return bodies_; }
 
@@ -58,8 +56,14 @@ class PlanarSimulator : public Simulator {
 // Members are defined outside the class: inline functions would be compiled by every caller, with its own options.
 
 template <class Physics>
-PlanarSimulator<Physics>::PlanarSimulator(const Model& model, const Task& task)
-    : Simulator("", Physics::kStartTolerance, task), model_(model), bodies_(Physics::bodiesOf(WorldState())) {}
+PlanarSimulator<Physics>::PlanarSimulator(const Parameters& parameters)
+    : PlanarSimulator(Physics::modelOf(parameters), fullCircle()) {}
+
+template <class Physics>
+PlanarSimulator<Physics>::PlanarSimulator(Model model, const Task& task)
+    : Simulator("", Physics::kStartTolerance, task),
+      model_(std::move(model)),
+      bodies_(Physics::bodiesOf(WorldState())) {}
 
 template <class Physics>
 void PlanarSimulator<Physics>::doReset(const WorldState& state) {

@@ -9,6 +9,7 @@
 
 #include "pusht_task/parameters.hpp"
 #include "pusht_task/policy.hpp"
+#include "pusht_task/task.hpp"
 
 namespace pusht {
 
@@ -46,5 +47,8 @@ void setOfLoop(ParameterSet& loop, const std::string& name, const std::string& t
 /// Commands that are not finite stay so, for the protocol to refuse.
 std::unique_ptr<Policy> looped(std::unique_ptr<Policy> policy, const ParameterSet& reference,
                                const ParameterSet& engine);
+
+/// Throws InvalidInput for a loop in a task for which loops are not made.
+void requireLoop(const Task& task, const ParameterSet& loop);
 
 }  // namespace pusht

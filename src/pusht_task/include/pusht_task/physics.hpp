@@ -55,12 +55,25 @@ struct Physics {
   constexpr double centerOfMass() const { return tee_first_moment / tee_mass; }
 };
 
+constexpr double kLeastMass = 1e-3;  ///< [kg] of a body that a user may ask for
+constexpr double kMostMass = 100.0;  ///< [kg]
+
 /// [kg m^2] Moment of inertia, about the tee origin, of bar and stem of these masses [kg] and of the sizes of
 /// `physics`.
 constexpr double momentOfTee(double bar_mass, double stem_mass, const Physics& physics) {
   return momentOfBox(bar_mass, physics.bar_half_length, physics.bar_half_width) +
          momentOfBox(stem_mass, physics.stem_half_width, physics.stem_half_length) +
          stem_mass * physics.stem_offset * physics.stem_offset;
+}
+
+/// `physics` with the moments of a uniform tee of its mass and sizes.
+constexpr Physics withUniformTee(Physics physics) {
+  const double bar_area = physics.bar_half_length * physics.bar_half_width;
+  const double stem_area = physics.stem_half_length * physics.stem_half_width;
+  const double stem_mass = physics.tee_mass * stem_area / (bar_area + stem_area);
+  physics.tee_first_moment = physics.stem_offset * stem_mass;
+  physics.tee_second_moment = momentOfTee(physics.tee_mass - stem_mass, stem_mass, physics);
+  return physics;
 }
 
 }  // namespace pusht

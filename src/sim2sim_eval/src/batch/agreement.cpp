@@ -382,8 +382,8 @@ int agreementMain(int argc, char** argv) {
     if (app.count("--episodes") == 0) {
       protocol.episodes = defaultEpisodes(protocol, starts);
     }
-    protocol.validate();
     protocol.carryTask();
+    protocol.validate();
     protocol.initial_states = givenInitialStates(starts, protocol.firstStart(), protocol.starts(),
                                                  protocol.overlapping_starts, protocol.runTask());
     const std::vector<Listed> listed = listedFrom(options);

@@ -221,8 +221,8 @@ ComparisonResults compare(const CompareOptions& options, const ComparisonHost& h
     configuration.protocol.alone = true;
     configuration.protocol.floor = false;  // of divergences
   }
-  configuration.protocol.validate();
   configuration.protocol.carryTask();
+  configuration.protocol.validate();
   configuration.protocol.initial_states =
       givenInitialStates(options.starts, configuration.protocol.firstStart(), configuration.protocol.starts(),
                          configuration.protocol.overlapping_starts, configuration.protocol.runTask());

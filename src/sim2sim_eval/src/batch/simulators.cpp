@@ -173,10 +173,7 @@ void requireNoLoop(const SimulatorChoice& simulator, const std::string& command)
 void setTask(const pusht::Task& task, const std::vector<std::reference_wrapper<SimulatorChoice>>& simulators) {
   for (SimulatorChoice& simulator : simulators) {
     simulator.kind.get().requireTask(task);
-    if (&task != &pusht::fullCircle() && !pusht::isPlain(simulator.loop)) {
-      throw pusht::InvalidInput("loop " + pusht::textOf(simulator.loop) + ": must be left out in the task " +
-                                task.name + ": its noise and delays are those of velocities");
-    }
+    pusht::requireLoop(task, simulator.loop);
     simulator.task = task;
     simulator.parameters = simulator.kind.get().inTask(simulator.parameters, task);
     if (&task != &pusht::fullCircle()) {  // a kind may refuse values of its parameters in it

@@ -299,8 +299,8 @@ Protocol protocolIn(const YAML::Node& root, const std::filesystem::path& starts)
     }
   });
   protocol.episodes = root["episodes"].IsDefined() ? protocol.episodes : defaultEpisodes(protocol, starts);
-  protocol.validate();
   protocol.carryTask();
+  protocol.validate();
   return protocol;
 }
 

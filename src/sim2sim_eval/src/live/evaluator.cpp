@@ -139,7 +139,11 @@ void Evaluator::runIn(RunFolder& folder, const LiveRequest& request) {
 }
 
 void Evaluator::compare(LiveRequest request, RunFolder& folder) {
+  request.protocol.carryTask();
   request.protocol.validate();
+  for (const WorldRequest* asked : {&request.simulators.reference, &request.simulators.engine}) {
+    pusht::requireLoop(request.protocol.runTask(), loopOf(*asked));
+  }
   request.protocol.initial_states =
       givenInitialStates(request.starts, request.protocol.firstStart(), request.protocol.starts(),
                          request.protocol.overlapping_starts, request.protocol.runTask());
@@ -147,7 +151,6 @@ void Evaluator::compare(LiveRequest request, RunFolder& folder) {
   if (pacer_.paused()) {
     ROS_WARN_STREAM("the run waits, since the evaluator is paused; to go on: " << kHowToResume);
   }
-  request.protocol.carryTask();
   request.simulators.task = request.protocol.runTask();
   const LiveOptions options = {request.simulators,
                                {toMilliseconds(parameters_.patience), parameters_.respawn, [this] { return stopped(); },

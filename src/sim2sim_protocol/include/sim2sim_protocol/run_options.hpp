@@ -33,9 +33,9 @@ struct RunOptions {
   bool independent_noise = false;
   int execute = 0;                        ///< actions of each answer of the policy; 0: as many as it says
   bool overlapping_starts = false;        ///< bodies of given starts may overlap
+  bool target_coverage = false;           ///< measured in a task that is not judged by it, too
   std::optional<double> until_decided{};  ///< [-] share of the reference's success; none: all episodes are run
   std::string task = "full_circle";
-  bool target_coverage = false;  ///< measured in a task that is not judged by it, too
 };
 
 /// Whether an option decides what the reference does from a given initial state.

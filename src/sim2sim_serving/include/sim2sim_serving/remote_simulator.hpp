@@ -80,6 +80,7 @@ class RemoteSimulator : public Simulator {
   ServiceCaller<pusht_msgs::Step> step_;
   std::string kind_;             // kind that the world must have; kinds with equal parameters have equal hashes
   std::string version_;          // version that the kind had when the world was taken over
+  bool says_task_;               // whether the kind's description has a task
   std::string parameters_hash_;  // hash of the parameters that the world must have
   std::string token_;            // token of the hold; a new one for each reset; empty: not held
   std::uint64_t episode_ = 0;

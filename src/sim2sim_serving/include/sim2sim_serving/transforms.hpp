@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "pusht_task/coverage.hpp"
 #include "pusht_task/types.hpp"
 
 namespace pusht {

@@ -171,8 +171,8 @@ class Tasks(CommandCase):
             arguments = ("--engine", kind, "--set", "contact_friction=0.5", "--out", out)
             self.succeeds(AUDIT, "--task", "gym_pusht", "--against", "task", *arguments)
             properties = json.loads((self.folder / out).read_text())["properties"]
-            found = {each["property"]: each["engine"] for each in properties}
-            self.assertAlmostEqual(found["contact_friction"], 0.5, delta=0.05, msg=kind)
+            value = {each["property"]: each["engine"] for each in properties}
+            self.assertAlmostEqual(value["contact_friction"], 0.5, delta=0.05, msg=kind)
         self.assertEqual(
             self.audit("chipmunk", "--set", "tee_yaw_damping=0.1"), ["tee_yaw_damping"]
         )

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <initializer_list>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <mutex>
@@ -146,9 +147,7 @@ class Reader {
     }
     const auto meant = words.find(text);
     std::vector<std::string> known;
-    for (const auto& each : words) {
-      known.push_back(each.first);
-    }
+    std::transform(words.begin(), words.end(), std::back_inserter(known), [](const auto& each) { return each.first; });
     require(meant != words.end(), name, text, "one of: " + joined(known));
     value = meant->second;
   }

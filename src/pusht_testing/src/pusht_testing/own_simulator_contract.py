@@ -181,9 +181,9 @@ class OwnSimulatorContract(SimulatorContract):
             if _task_of(found) == FULL_CIRCLE:
                 self.assert_near(reset.state, spawn(3), tolerance)
             else:  # a kind of another task alone brings that with it
-                course = {"parameters": [Parameter("task", FULL_CIRCLE)], "end_episode": True}
+                course = [Parameter("task", FULL_CIRCLE)]
                 only = f"task {FULL_CIRCLE}: the kind {kind} holds only {_task_of(found)}"
-                self.refused(only, "configure", **course)
+                self.refused(only, "configure", parameters=course, end_episode=True)
             self.assertEqual(reset.parameters_hash, found.parameters_hash)
             self.accepted("step", step=0)
             old = found

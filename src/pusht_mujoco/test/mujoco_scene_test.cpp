@@ -296,6 +296,20 @@ TEST_F(Scene, F3AnErrorOfMujocoIsAnExceptionNotAPrompt) {
   sound.step({0.0F, 0.0F});
 }
 
+/// MuJoCo counts a warning once, sets its world to its first state and goes on from there.
+TEST_F(Scene, F21AWarningOfMujocoIsAFault) {
+  const auto scene = std::make_shared<MujocoScene>(PUSHT_SCENE);
+  MujocoWorld world(scene);
+  world.reset(spawn(0));
+  const_cast<mjModel&>(scene->model()).opt.gravity[0] = 1e30;
+  try {
+    world.step({0.0F, 0.0F});
+    FAIL() << "MuJoCo must have warned";
+  } catch (const SimulationFault& fault) {
+    EXPECT_THAT(fault.what(), HasSubstr("MuJoCo: Nan, Inf or huge value in QACC"));
+  }
+}
+
 TEST_F(Scene, F3AnErrorWhileLoadingIsARefusal) {
   EXPECT_THAT(refusal(changed("<default>", "<size nstack=\"1\"/><default>")), HasSubstr("Stack overflow"));
 }

@@ -25,5 +25,12 @@ TEST(Rollout, IsWholeInItsTrace) {
   EXPECT_TRUE(rollout.success());
 }
 
+TEST(Rollout, HasTheActionsThatItsWorldGot) {
+  ToyWorld world;
+  Rollout rollout = begin(world, WorldState());
+  advance(rollout, world, {10.0F * kActionLimit, -0.5F * kActionLimit});
+  EXPECT_EQ(rollout.trace().actions.front(), Action(kActionLimit, -0.5F * kActionLimit));
+}
+
 }  // namespace
 }  // namespace pusht

@@ -8,7 +8,9 @@
 #include <string>
 
 #include "experiments.hpp"
+#include "pusht_task/constants.hpp"
 #include "sim2sim_audit/audit.hpp"
+#include "sim2sim_audit/bench.hpp"
 
 namespace sim2sim {
 namespace {
@@ -58,6 +60,16 @@ TEST(Causes, SayWhichOfTheTwoWorldsHasTheError) {
   const Comparison in_reference = {Property::kDelay, PropertyVerdict::kDiffers, 0.1, 0.0};
   EXPECT_THAT(causeOf(in_engine), ::testing::StartsWith("acts 1 control step late"));
   EXPECT_THAT(causeOf(in_reference), ::testing::StartsWith("in the reference: acts 1 control step late"));
+}
+
+TEST(DistanceBetween, IsNoneAcrossTheWrapOfTheAngle) {
+  pusht::WorldState one;
+  pusht::WorldState other;
+  one.tee_yaw = pusht::kPi - 1e-6;
+  other.tee_yaw = -pusht::kPi + 1e-6;
+  EXPECT_NEAR(distanceBetween(one, other), 2e-6 * pusht::kStemOffset, 1e-12);
+  other.tee_yaw = 0.0;
+  EXPECT_NEAR(distanceBetween(one, other), (pusht::kPi - 1e-6) * pusht::kStemOffset, 1e-12);
 }
 
 }  // namespace

@@ -542,9 +542,10 @@ class LiveSession(GoalCase):
         self.assertEqual(result_bytes(self.out), self.batch_bytes(*BATCH))
 
     def test_control_between_runs(self) -> None:
-        response = self.control(command="step")
-        self.assertFalse(response.success)
-        self.assertEqual(response.message, "step: no comparison is under way")
+        for command in ("step", "cancel"):
+            response = self.control(command=command)
+            self.assertFalse(response.success)
+            self.assertEqual(response.message, f"{command}: no comparison is under way")
         response = self.control(command="pause")
         self.assertTrue(response.success)
         self.assertIn("the next one begins paused", response.message)

@@ -152,11 +152,15 @@ class Replay(LiveCase):
         node.control("seek", episode=1, step=9)
         expect((1, 9), times=2)  # it was foretold, too
         self.assertEqual(seen[recorded[1, 2]], 1, "the others are not told again")
+        last = max(recorded)[1]
+        node.control("seek", episode=1, step=last)
+        expect((1, last), times=2)
         node.control("seek", episode=0, step=3)
         expect((0, 3))
         rospy.wait_for_message("/tf", TFMessage, DEADLINE)  # again, for late subscribers
         self.assertIn("episode 2: must be one that the bag holds: 0 to 1", self.refusal(2))
-        self.assertIn("step 9999: must be from 0 to ", self.refusal(1, 9999))
+        reason = f"step {last + 1}: must be from 0 to {last}, the end of episode 1"
+        self.assertEqual(self.refusal(1, last + 1), reason)
         answer = connected("/sim2sim/control", Control)(command="cancel")
         self.assertEqual((answer.success, "only in a live run" in answer.message), (False, True))
         node.control("resume")

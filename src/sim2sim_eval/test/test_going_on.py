@@ -128,6 +128,8 @@ class Comparison(GoingOn):
             shutil.copytree(self.folder / "out", self.folder / "again")
             self.assertEqual(self.finished(*RUN, out="again"), whole)
             shutil.rmtree(self.folder / "again")
+        self.interrupt(*RUN, episodes=2)  # what it appends stands in lines of its own
+        self.assertEqual(self.finished(*RUN), whole)
 
     def test_another_run_is_refused_by_name(self) -> None:
         self.interrupt(*RUN)

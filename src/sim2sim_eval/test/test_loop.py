@@ -64,6 +64,13 @@ class Loops(LoopCase):
         self.assertEqual(self.result_bytes("cached"), self.result_bytes("alone"))
         self.assertNotEqual(self.episodes("plain"), self.episodes("alone"))
 
+    def test_the_reference_is_kept_for_its_own_random_numbers_alone(self) -> None:
+        noise = ("--loop", "action_noise=0.5", "--episodes", "3", "--noise-seed")
+        self.compare("first", *noise, "1", "--reference-cache", "kept")
+        self.compare("cached", *noise, "2", "--reference-cache", "kept")
+        self.compare("alone", *noise, "2")
+        self.assertEqual(self.episodes("cached"), self.episodes("alone"))
+
     def test_nothing_set_changes_nothing(self) -> None:
         self.compare("without", "--episodes", "4")
         for number, loop in enumerate(("action_delay=0", "hold=1", "action_noise=0")):
@@ -147,8 +154,9 @@ class Repeats(LoopCase):
     NOISE = ("--loop", "action_noise=0.5", "--no-floor", "--repeats", "3", "--episodes", "60")
 
     def test_results_are_by_start(self) -> None:
-        text = self.compare("run", *self.NOISE)
+        text = self.compare("run", *self.NOISE, "--write-starts", "starts.csv")
         self.assertIn("(60 episodes, 3 of each start; in brackets", text)
+        self.assertEqual(len((self.folder / "starts.csv").read_text().splitlines()), 1 + 20)
         self.assertIn("variance of repeats", text)
         metrics = self.load("run", "metrics.json")
         self.assertEqual((metrics["number_of_starts"], metrics["repeats"]), (20, 3))

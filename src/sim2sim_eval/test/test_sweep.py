@@ -170,8 +170,10 @@ class Rows(SweepCase):
         self.run_command(*command, "--out", "with", "--reference-cache", "cache")
         self.assertEqual(self.result_bytes("with"), self.result_bytes("without"))
         self.assertEqual(self.result_bytes("with"), self.result_bytes("out/rows/000"))
-        for file, modified in kept.items():
-            self.assertEqual(file.stat().st_mtime_ns, modified, "rolled out once")
+        other = [*command, "--engine", "chipmunk", "--reference-cache", "cache"]
+        self.run_command(*other, "--out", "other")
+        again = {file: file.stat().st_mtime_ns for file in (self.folder / "cache").rglob("*.reference")}
+        self.assertEqual(again, kept, "rolled out once, for whatever engine")
         next(iter(kept)).write_bytes(b"damaged")
         process = self.run_command(*command, "--out", "damaged", "--reference-cache", "cache")
         self.assert_one_line(process, 3, "compare")
@@ -505,7 +507,9 @@ class Resuming(SweepCase):
 class Shards(SweepCase):
     def test_missing_and_double_shards_are_named(self) -> None:
         folders = self.shards(3)
-        self.assertIn("2/3: are missing", self.bad_merge(folders[0], folders[2]))
+        for missing in range(3):
+            there = [folder for i, folder in enumerate(folders) if i != missing]
+            self.assertIn(f"shards {missing + 1}/3: are missing", self.bad_merge(*there))
         self.assertIn("are both 2/3", self.bad_merge(*folders, folders[1]))
         self.assertFalse((self.folder / "merged").exists())
 

@@ -11,6 +11,7 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
 #include "pusht_testing/decimal_comma.hpp"
+#include "pusht_testing/refusal.hpp"
 #include "run_episodes.hpp"
 #include "sim2sim_protocol/results/json.hpp"
 #include "sim2sim_protocol/results/metrics.hpp"
@@ -56,6 +57,18 @@ TEST(EpisodesCsv, HasPushesWithStateResetReplaysAlone) {
   EXPECT_EQ(read.back().rollouts.back().at("push_size"), -0.25);
   EXPECT_EQ(episodesCsv(protocol, read), with);
   EXPECT_THROW(episodesFromCsv(protocol, without), pusht::InvalidInput) << "columns of before";
+}
+
+TEST(EpisodesCsv, NamesTheLineThatIsNotAsItWasWritten) {
+  const std::string csv = episodesCsv(bare(), episodesWith(2, 1, 0));
+  std::size_t begin = 0;
+  for (const std::string line : {"line 2", "line 3", "line 4", "line 5", "line 6", "line 7"}) {
+    begin = csv.find('\n', begin) + 1;
+    std::string damaged = csv;
+    damaged.insert(csv.find(",0,", begin) + 1, "0");  // the number of steps is 00
+    EXPECT_EQ(pusht::testing::refusalOf([&] { episodesFromCsv(bare(), damaged); }),
+              line + ": must be a line of episodes.csv as it was written");
+  }
 }
 
 TEST(Files, F24AreTheSameWhereTheUserWritesAComma) {

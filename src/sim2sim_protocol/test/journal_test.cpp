@@ -3,10 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "pusht_task/files.hpp"
 #include "pusht_testing/temporary_folder.hpp"
 #include "run_episodes.hpp"
+#include "sim2sim_protocol/results/result_files.hpp"
+#include "sim2sim_protocol/results/run_folder.hpp"
 
 namespace sim2sim {
 namespace {
@@ -28,6 +32,25 @@ TEST(Journal, KeepsWhatEpisodesCsvHasNot) {
   EXPECT_EQ(kept.rollouts[kReferenceClosed].limited_commands, 7);
   EXPECT_EQ(kept.rollouts[kEngineClosed].limited_commands, 9);
   EXPECT_EQ(kept.rollouts[kReferenceClosed].success, true);
+}
+
+/// Whoever looks while it loads, or after it was killed there, sees what was kept.
+TEST(RunFolder, SaysFromTheFirstMomentHowManyEpisodesAreKept) {
+  const pusht::testing::TemporaryFolder folder;
+  const std::filesystem::path path = folder.path() / "out";
+  Protocol protocol = bare();
+  protocol.episodes = 2;
+  const auto begin = [&](int kept) {
+    RunFolder run(path, false, "compare", true);
+    run.begin({}, protocol);
+    const nlohmann::json status = nlohmann::json::parse(pusht::readFile(path / kStatusFile, "status"));
+    EXPECT_EQ(status.at("episodes_finished"), kept);
+    if (kept == 0) {
+      run.journal()->add({episodesWith(1, 1, 0).front()});
+    }
+  };
+  begin(0);
+  begin(1);
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ TEST(Rollout, HasTheActionsThatItsWorldGot) {
   ToyWorld world;
   Rollout rollout = begin(world, WorldState());
   advance(rollout, world, {10.0F * kActionLimit, -0.5F * kActionLimit});
-  EXPECT_EQ(rollout.trace().actions.front(), Action(kActionLimit, -0.5F * kActionLimit));
+  EXPECT_EQ(rollout.trace().actions.front(), (Action{kActionLimit, -0.5F * kActionLimit}));
 }
 
 }  // namespace

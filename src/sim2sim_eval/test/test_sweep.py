@@ -172,7 +172,9 @@ class Rows(SweepCase):
         self.assertEqual(self.result_bytes("with"), self.result_bytes("out/rows/000"))
         other = [*command, "--engine", "chipmunk", "--reference-cache", "cache"]
         self.run_command(*other, "--out", "other")
-        again = {file: file.stat().st_mtime_ns for file in (self.folder / "cache").rglob("*.reference")}
+        again = {
+            file: file.stat().st_mtime_ns for file in (self.folder / "cache").rglob("*.reference")
+        }
         self.assertEqual(again, kept, "rolled out once, for whatever engine")
         next(iter(kept)).write_bytes(b"damaged")
         process = self.run_command(*command, "--out", "damaged", "--reference-cache", "cache")

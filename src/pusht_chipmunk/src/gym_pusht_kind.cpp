@@ -49,7 +49,11 @@ SimulatorModel loadGymPusht(const ParameterSet& set) {
   prepareChipmunk();
   GymPushtQuirks quirks;
   readSwitches(set, GymPushtWorld::kQuirks, quirks);
-  return modelOfWorlds(set, [quirks] { return std::make_unique<GymPushtSimulator>(quirks); });
+  SimulatorModel model = modelOfWorlds(set, [quirks] { return std::make_unique<GymPushtSimulator>(quirks); });
+  model.make_in_pixels = [quirks](const gym_pusht::Variant& variant) {
+    return std::make_unique<GymPushtWorld>(quirks, GymPushtResets(), variant);
+  };
+  return model;
 }
 
 }  // namespace

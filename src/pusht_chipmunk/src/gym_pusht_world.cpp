@@ -60,13 +60,17 @@ void keepVelocity(cpBody* body, cpVect gravity, cpFloat /*damping*/, cpFloat dt)
 /// Space of Chipmunk with what gym-pusht puts into it.
 class GymPushtWorld::Space {
  public:
-  explicit Space(const GymPushtQuirks& quirks) : quirks_(quirks), space_(cpSpaceNew()) {
-    cpSpaceSetDamping(space_.get(), quirks.coasting ? 0.0 : std::exp(-sound().tee_damping / sound().tee_mass));
+  Space(const GymPushtQuirks& quirks, const gym_pusht::Variant& variant) : quirks_(quirks), space_(cpSpaceNew()) {
+    cpSpaceSetDamping(space_.get(),
+                      quirks.coasting ? variant.damping : std::exp(-sound().tee_damping / sound().tee_mass));
     for (const auto& [begin, end] : kWalls) {
       add(cpSegmentShapeNew(cpSpaceGetStaticBody(space_.get()), begin, end, kWallRadius));
     }
     addPusher();
     addTee();
+    if (variant.block_cog) {
+      cpBodySetCenterOfGravity(tee_, toChipmunk(*variant.block_cog));
+    }
   }
 
   /// The tee turns about its center of gravity, so that the order counts.
@@ -87,7 +91,13 @@ class GymPushtWorld::Space {
     cpBodySetAngularVelocity(tee_, state.rate);
   }
 
-  void substep() { cpSpaceStep(space_.get(), kStep); }
+  /// Returns the number of the tee's contact points.
+  int substep() {
+    cpSpaceStep(space_.get(), kStep);
+    int contacts = 0;
+    cpBodyEachArbiter(tee_, countContacts, &contacts);
+    return contacts;
+  }
 
   /// Accelerates the pusher towards `target`, in gym-pusht's order of operations.
   void drive(const cpVect& target) {
@@ -109,6 +119,10 @@ class GymPushtWorld::Space {
   }
 
  private:
+  static void countContacts(cpBody* /*tee*/, cpArbiter* arbiter, void* count) {
+    *static_cast<int*>(count) += cpArbiterGetCount(arbiter);
+  }
+
   /// [px/s^2] Along an axis.
   double accelerationOf(double way, double velocity) const {
     const double acceleration = gym_pusht::kStiffness * way + gym_pusht::kDamping * (0.0 - velocity);
@@ -152,33 +166,35 @@ class GymPushtWorld::Space {
   Owned<cpSpace> space_;  // last, hence freed first: it looks at its bodies then
 };
 
-GymPushtWorld::GymPushtWorld(const GymPushtQuirks& quirks, const GymPushtResets& resets)
-    : quirks_(quirks), resets_(resets), space_(std::make_unique<Space>(quirks)) {}
+GymPushtWorld::GymPushtWorld(const GymPushtQuirks& quirks, const GymPushtResets& resets,
+                             const gym_pusht::Variant& variant)
+    : quirks_(quirks), resets_(resets), variant_(variant), space_(std::make_unique<Space>(quirks, variant)) {}
 
 GymPushtWorld::~GymPushtWorld() = default;
 
 void GymPushtWorld::reset(const State& asked) {
-  space_ = std::make_unique<Space>(quirks_);
+  space_ = std::make_unique<Space>(quirks_, variant_);
   space_->place(asked, resets_.legacy_order);
-  if (resets_.first_substep) {
-    space_->substep();
-  }
+  contacts_ = resets_.first_substep ? space_->substep() : 0;
 }
 
 void GymPushtWorld::restore(const State& state) {
-  space_ = std::make_unique<Space>(quirks_);
+  space_ = std::make_unique<Space>(quirks_, variant_);
   space_->place(state, false);
   space_->setVelocities(state);
 }
 
 void GymPushtWorld::step(const Eigen::Vector2d& target) {
+  contacts_ = 0;
   for (int i = 0; i < kSubstepsPerControlStep; ++i) {
     space_->drive(toChipmunk(target));
-    space_->substep();
+    contacts_ += space_->substep();
   }
 }
 
 State GymPushtWorld::state() const { return space_->state(); }
+
+int GymPushtWorld::contacts() const { return contacts_; }
 
 double GymPushtWorld::centerOfGravity() const { return centerOfGravityIn(quirks_); }
 

@@ -28,7 +28,7 @@ struct GymPushtResets {
 
 /// World of gym-pusht 0.1.5 on pymunk 6.6, whose space, bodies and shapes it makes in the same order and drives by the
 /// same arithmetic. Every reset makes a new space, as gym-pusht's does. Not thread-safe.
-class GymPushtWorld {
+class GymPushtWorld final : public gym_pusht::World {
  public:
   /// Descriptions of all quirks.
   static constexpr std::array kQuirks = {
@@ -51,20 +51,20 @@ class GymPushtWorld {
                              &GymPushtQuirks::kinematic},
   };
 
-  explicit GymPushtWorld(const GymPushtQuirks& quirks = {}, const GymPushtResets& resets = {});
-  ~GymPushtWorld();
+  explicit GymPushtWorld(const GymPushtQuirks& quirks = {}, const GymPushtResets& resets = {},
+                         const gym_pusht::Variant& variant = {});
+  ~GymPushtWorld() override;
 
-  /// What gym-pusht's `reset(options={"reset_to_state": ...})` does: `asked` has positions and the angle; its
-  /// velocities are not read.
-  void reset(const gym_pusht::State& asked);
+  void reset(const gym_pusht::State& asked) override;
 
   /// Puts the bodies where they are in `state`, and nothing else.
   void restore(const gym_pusht::State& state);
 
-  /// Takes a control step towards `target` [px], which is not clipped.
-  void step(const Eigen::Vector2d& target);
+  void step(const Eigen::Vector2d& target) override;
 
-  gym_pusht::State state() const;
+  gym_pusht::State state() const override;
+
+  int contacts() const override;
 
   /// [px] From the tee's origin to its center of gravity.
   double centerOfGravity() const;
@@ -74,7 +74,9 @@ class GymPushtWorld {
 
   GymPushtQuirks quirks_;
   GymPushtResets resets_;
+  gym_pusht::Variant variant_;
   std::unique_ptr<Space> space_;
+  int contacts_ = 0;
 };
 
 }  // namespace pusht

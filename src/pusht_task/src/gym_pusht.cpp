@@ -3,7 +3,12 @@
 
 #include <Eigen/Geometry>
 
+#include <cmath>
+#include <utility>
+
 #include "pusht_task/constants.hpp"
+#include "pusht_task/contact.hpp"
+#include "pusht_task/simulator.hpp"
 #include "pusht_task/spawn.hpp"
 #include "pusht_task/task.hpp"
 
@@ -16,6 +21,34 @@ using Eigen::Vector2d;
 Vector2d armTo(double point, double angle) { return Eigen::Rotation2Dd(angle) * Vector2d(0.0, point); }
 
 Vector2d perpendicular(const Vector2d& arm) { return {-arm.y(), arm.x()}; }
+
+class InPixels final : public World {
+ public:
+  explicit InPixels(std::unique_ptr<Simulator> simulator) : simulator_(std::move(simulator)) {}
+
+  void reset(const State& asked) override {
+    const State start = turned(asked);
+    simulator_->reset(toTable(start));
+    angle_ = start.angle;
+  }
+
+  void step(const Vector2d& target) override {
+    simulator_->step({static_cast<float>(target.x()), static_cast<float>(target.y())});
+    angle_ += wrapAngle(fromTable(simulator_->state()).angle - angle_);
+  }
+
+  State state() const override {
+    State state = fromTable(simulator_->state());
+    state.angle = angle_;
+    return state;
+  }
+
+  int contacts() const override { return contactsOf(simulator_->state(), gymPusht()).part() != Part::kNone ? 1 : 0; }
+
+ private:
+  std::unique_ptr<Simulator> simulator_;
+  double angle_ = 0.0;  // [rad]
+};
 
 }  // namespace
 
@@ -65,6 +98,22 @@ State turned(const State& asked, double center_of_gravity) {
   State state = asked;
   state.tee = asked.tee + Vector2d(0.0, center_of_gravity) - armTo(center_of_gravity, asked.angle);
   return state;
+}
+
+std::array<Vector2d, 8> keypoints(const State& state) {
+  // Chipmunk's order of the corners.
+  std::array<Vector2d, 8> corners = {Vector2d(-60, 0),  Vector2d(60, 0), Vector2d(60, 30),  Vector2d(-60, 30),
+                                     Vector2d(-15, 30), Vector2d(15, 30), Vector2d(15, 120), Vector2d(-15, 120)};
+  const double cosine = std::cos(state.angle);
+  const double sine = std::sin(state.angle);
+  for (Vector2d& corner : corners) {
+    corner = Vector2d(corner.x() * cosine - corner.y() * sine, corner.x() * sine + corner.y() * cosine) + state.tee;
+  }
+  return corners;
+}
+
+std::unique_ptr<World> inPixels(std::unique_ptr<Simulator> simulator) {
+  return std::make_unique<InPixels>(std::move(simulator));
 }
 
 }  // namespace pusht::gym_pusht

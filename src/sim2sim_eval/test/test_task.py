@@ -19,7 +19,9 @@ from command_case import CommandCase, executable
 
 AGREEMENT = executable("sim2sim_eval", "agreement")
 AUDIT = executable("sim2sim_eval", "audit")
+ATTRIBUTE = executable("sim2sim_eval", "attribute")
 COMPARE = executable("sim2sim_eval", "compare")
+EQUIVALENT = executable("sim2sim_eval", "equivalent")
 RECOMPUTE = executable("sim2sim_eval", "recompute")
 REPORT = executable("sim2sim_eval", "report")
 SWEEP = executable("sim2sim_eval", "sweep")
@@ -221,6 +223,23 @@ grid: {inertia: [true, false], kinematic: [true, false]}
         divergence = [float(row["engine_closed_mean_position_divergence_m"]) for row in rows]
         self.assertEqual(divergence[0], 0.0)  # all quirks on, as in the reference
         self.assertTrue(all(value > 1e-4 for value in divergence[1:]), divergence)
+        self.succeeds(ATTRIBUTE, "sweep")
+        attribution = json.loads((self.folder / "sweep" / "attribution.json").read_text())
+        self.assertEqual(attribution["switches"], ["inertia", "kinematic"])
+        self.succeeds(REPORT, "sweep")
+
+    def test_the_equivalent_of_an_engine_is_a_number_of_the_task(self) -> None:
+        """Half the friction of contacts, in another engine."""
+        levels = ", ".join(f"'mujoco:contact_friction={value}'" for value in (0.8, 0.5, 0.2))
+        engines = f"engine: ['rigid_body:contact_friction=0.5', {levels}]"
+        (self.folder / "plan.yaml").write_text(
+            f"{{task: gym_pusht, policy: expert, episodes: 20, target_coverage: 0.6, "
+            f"floor: false, {engines}}}"
+        )
+        self.succeeds(SWEEP, "plan.yaml", "--out", "sweep")
+        self.succeeds(EQUIVALENT, "sweep")
+        (engine,) = json.loads((self.folder / "sweep" / "equivalent.json").read_text())["engines"]
+        self.assertEqual(engine["equivalents"][0]["parameter"], "contact_friction")
 
     def test_the_page_draws_the_task(self) -> None:
         run = (*GYM, "--engine", "chipmunk", "--episodes", "2", "--horizon", "20", "--traces")
@@ -284,6 +303,9 @@ grid: {inertia: [true, false], kinematic: [true, false]}
         (self.folder / "m.csv").write_text(
             "pusher_x_px,pusher_y_px,tee_x_px,tee_y_px,tee_angle\n0.1,0.2,0,0,0.25\n"
         )
+        (self.folder / "beyond.csv").write_text(
+            "pusher_x_px,pusher_y_px,tee_x_px,tee_y_px,tee_angle\n556,97,256,256,0.25\n"
+        )
         usual = (*GYM, "--engine", "chipmunk")
         for arguments, words in (
             (
@@ -306,6 +328,10 @@ grid: {inertia: [true, false], kinematic: [true, false]}
             ((*usual, "--seed", str(2**32)), "must be below 2^32"),
             ((*usual, "--starts", "px.csv"), "pixels or millimeters?"),
             ((*usual, "--starts", "m.csv"), "the table ends at"),
+            (
+                (*usual, "--starts", "beyond.csv"),
+                "pusher_x 0.3 m (556 px): the table ends at 0.248 m (504 px)",
+            ),
             (("--starts", "m.csv"), "column 'pusher_x_px': must be one of: pusher_x"),
         ):
             with self.subTest(words):

@@ -138,6 +138,18 @@ WorldState stateIn(const std::string& line, const Layout& layout, const pusht::T
   return pusht::checkedStart(state);
 }
 
+/// "0.3 m", or "0.3 m (556 px)" in a task with a unit of its own.
+std::string coordinateText(double meters, std::size_t axis, const pusht::Task& task) {
+  const std::string text = pusht::shortestText(meters) + " m";
+  if (task.frame.isTables()) {
+    return text;
+  }
+  Eigen::Vector2d point = Eigen::Vector2d::Zero();
+  point[static_cast<Eigen::Index>(axis)] = meters;
+  const double own = task.frame.pointFromTable(point)[static_cast<Eigen::Index>(axis)];
+  return text + " (" + pusht::significantText(own, 4) + " " + task.frame.unit + ")";
+}
+
 /// Throws InvalidInput if the center of a body is beyond the walls.
 void requireOnTable(WorldState state, const pusht::Task& task) {
   constexpr double kOtherUnit = 10.0;  // [m] no table is that large
@@ -147,9 +159,9 @@ void requireOnTable(WorldState state, const pusht::Task& task) {
     const double middle = task.physics.wall_middle[axis];
     if (field.unit == "m" && std::abs(value - middle) > task.physics.wall_inner_face) {
       const double end = middle + std::copysign(task.physics.wall_inner_face, value);
-      throw pusht::InvalidInput(std::string(field.name) + " " + pusht::shortestText(value) + " m: the table ends at " +
-                                pusht::shortestText(task.physics.wall_middle[axis] == 0.0 ? std::abs(end) : end) +
-                                " m" + (std::abs(value) > kOtherUnit ? "; pixels or millimeters?" : ""));
+      throw pusht::InvalidInput(std::string(field.name) + " " + coordinateText(value, axis, task) +
+                                ": the table ends at " + coordinateText(middle == 0.0 ? std::abs(end) : end, axis, task) +
+                                (std::abs(value) > kOtherUnit ? "; pixels or millimeters?" : ""));
     }
   }
 }

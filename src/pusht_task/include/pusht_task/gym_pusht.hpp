@@ -5,10 +5,17 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
+#include <memory>
+#include <optional>
 
 #include "pusht_task/coverage.hpp"
 #include "pusht_task/types.hpp"
+
+namespace pusht {
+class Simulator;
+}
 
 namespace pusht::gym_pusht {
 
@@ -48,5 +55,41 @@ State drawn(std::uint32_t seed);
 /// State after a reset to `asked`. gym-pusht sets the tee's position, then turns it about its
 /// center of gravity, so that its origin moves.
 State turned(const State& asked, double center_of_gravity = kCenterOfGravity);
+
+/// [px] Corners of the tee's bar, then of its stem, in the order in which gym-pusht's observation has them, to the last
+/// bit.
+std::array<Eigen::Vector2d, 8> keypoints(const State& state);
+
+/// What gym-pusht's environment lets its users change in its world.
+struct Variant {
+  std::optional<Eigen::Vector2d> block_cog{};  ///< [px] center of gravity from the tee's origin; none: its own
+  double damping = 0.0;                        ///< [-] share of the tee's velocity that is left after a second
+};
+
+/// World in gym-pusht's units, with its resets.
+class World {
+ public:
+  World() = default;
+  World(const World&) = delete;
+  World& operator=(const World&) = delete;
+  virtual ~World() = default;
+
+  /// What gym-pusht's `reset(options={"reset_to_state": ...})` does: `asked` has positions and the angle; its
+  /// velocities are not read.
+  virtual void reset(const State& asked) = 0;
+
+  /// Takes a control step towards `target` [px], which is not clipped.
+  virtual void step(const Eigen::Vector2d& target) = 0;
+
+  virtual State state() const = 0;
+
+  /// Contact points of the tee, summed over the substeps of the latest step or reset.
+  virtual int contacts() const = 0;
+};
+
+/// World of another engine, in the task gym_pusht, as gym-pusht's environment would show it: a reset puts the bodies
+/// where gym-pusht's has them before its first substep, an angle goes on counting turns, and of contacts it knows
+/// whether pusher and tee touch after a step.
+std::unique_ptr<World> inPixels(std::unique_ptr<Simulator> simulator);
 
 }  // namespace pusht::gym_pusht

@@ -35,7 +35,8 @@ class Policy {
   /// Rollout that needs an action.
   struct Query {
     Observation observation;
-    Memory* memory;  ///< from begin() of the same policy
+    Memory* memory;                     ///< from begin() of the same policy
+    const WorldState* state = nullptr;  ///< that was observed; null where the observation alone came: over a node
   };
 
   Policy() = default;

@@ -32,7 +32,7 @@ class Rollout {
   /// Rollout that took place before, from its trace.
   explicit Rollout(const Trace& trace, const Task& task = fullCircle());
 
-  Policy::Query query() const { return {observe(trace_.states.back(), *task_), memory_.get()}; }
+  Policy::Query query() const { return {observe(trace_.states.back(), *task_), memory_.get(), &trace_.states.back()}; }
 
   /// Records a control step: `action`, clipped here as the world clipped it, and the state after it.
   void record(const Action& action, const WorldState& state);

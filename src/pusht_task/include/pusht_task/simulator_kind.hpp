@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "pusht_task/batch_simulator.hpp"
+#include "pusht_task/gym_pusht.hpp"
 #include "pusht_task/parameters.hpp"
 #include "pusht_task/simulator.hpp"
 
@@ -24,6 +25,8 @@ struct SimulatorModel {
   std::function<std::unique_ptr<Simulator>()> make_world;
   std::function<std::unique_ptr<BatchSimulator>(int lanes)>
       make_lanes;  ///< makes a batch of so many worlds, each as from make_world()
+  /// Makes a world with the bits of gym-pusht's own; null: the kind has none.
+  std::function<std::unique_ptr<gym_pusht::World>(const gym_pusht::Variant&)> make_in_pixels{};
 };
 
 /// Function that loads a model with values for its parameters, for a task. A kind of one task may leave the task out:

@@ -26,6 +26,9 @@ void bindCompare(pybind11::module_& module);
 /// Adds LoadedPolicy and PolicyMemory.
 void bindLoadedPolicy(pybind11::module_& module);
 
+/// Adds PixelWorlds, and gym-pusht's draws.
+void bindPixelWorlds(pybind11::module_& module);
+
 /// Adds the functions of the statistics.
 void bindStatistics(pybind11::module_& module);
 

@@ -37,6 +37,8 @@ struct CallablePolicy {
   std::string name;     ///< for people: "examples.charge"
   std::string version;  ///< empty: none
   int history = 0;
+  py::object sight{};  ///< None: it sees what policies of files see
+  std::string seen{};  ///< what it sees then: "pixels 96 x 96"
 };
 
 /// The callable as the run's policy, once it has shown that it has no memory of its own.
@@ -49,6 +51,10 @@ pusht::ChosenPolicy chosenFrom(const CallablePolicy& callable, Desk& desk) {
       {"history", callable.history},
       {"version", callable.version.empty() ? nlohmann::json() : nlohmann::json(callable.version)},
       {"note", "a Python callable: known by its name and version, not by its code"}};
+  if (!callable.seen.empty()) {
+    identity["sees"] = callable.seen;
+    provenance["sees"] = callable.seen;
+  }
   const int history = std::max(callable.history, 1);
   return {[&desk, history] { return std::make_unique<PythonPolicy>(desk, history); },
           "python:" + callable.name,
@@ -62,6 +68,11 @@ pusht::ChosenPolicy chosenFrom(const CallablePolicy& callable, Desk& desk) {
 void requireFitting(const CompareOptions& options, const CallablePolicy& callable) {
   if (callable.policy.is_none()) {
     return;
+  }
+  const std::string& task = options.protocol.runTask().name;
+  if (!callable.sight.is_none() && task != pusht::gymPusht().name) {
+    throw pusht::InvalidInput("obs_type " + callable.seen + ": must be left out in the task " + task + ", as it is of " +
+                              pusht::gymPusht().name);
   }
   if (options.smoke) {
     throw pusht::InvalidInput("smoke: must be left out: it runs an untrained policy, and none of Python");
@@ -96,12 +107,13 @@ py::dict textsOf(const ComparisonResults& results, const std::string& text) {
 }
 
 py::dict compareInPython(const py::dict& keywords, const py::object& policy, const std::string& name,
-                         const std::string& version, int history, const py::list& simulators, bool progress) {
+                         const std::string& version, int history, const py::object& sight, const std::string& seen,
+                         const py::list& simulators, bool progress) {
   CompareOptions options;
   CLI::App app("", "compare");
   options.declare(app);
   parseArguments(app, argumentsOf(app, keywords));
-  const CallablePolicy callable = {policy, name, version, history};
+  const CallablePolicy callable = {policy, name, version, history, sight, seen};
   requireFitting(options, callable);
   for (std::string* const written : {&options.out, &options.write_starts}) {
     if ((!policy.is_none() || !simulators.empty()) && !written->empty()) {  // what Python runs may change folders
@@ -116,7 +128,7 @@ py::dict compareInPython(const py::dict& keywords, const py::object& policy, con
   host.progress = progress;
   host.files = !options.out.empty();
   if (!policy.is_none()) {
-    Desk& desk = served.deskOf(Callable(policy, name, history));
+    Desk& desk = served.deskOf(Callable(policy, name, history, sight));
     host.can_return = !version.empty();
     const pusht::Task& task = options.protocol.runTask();
     host.choose_policy = [&desk, &task, name, history, chosen = chosenFrom(callable, desk)] {
@@ -155,7 +167,7 @@ py::dict loadInPython(const std::string& folder, const std::string& provenance) 
 
 void bindCompare(py::module_& module) {
   module.def("compare", compareInPython, py::arg("options"), py::arg("policy"), py::arg("name"), py::arg("version"),
-             py::arg("history"), py::arg("simulators"), py::arg("progress"));
+             py::arg("history"), py::arg("sight"), py::arg("seen"), py::arg("simulators"), py::arg("progress"));
   module.def("load", loadInPython, py::arg("folder"), py::arg("provenance"));
 }
 

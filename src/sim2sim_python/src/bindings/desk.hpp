@@ -18,12 +18,18 @@
 
 namespace sim2sim::python {
 
+/// What a policy sees in a control step.
+struct Glimpse {
+  pusht::Observation observation{};
+  std::optional<pusht::WorldState> state{};  ///< of which it is, where a policy is told
+};
+
 /// Row of a query: a rollout in which the callable is asked for a new answer.
 struct Row {
-  std::uint64_t seed = 0;                  ///< of the rollout
-  std::vector<pusht::Observation> past{};  ///< what the callable looks back on, oldest first
-  std::vector<pusht::Action> answer{};     ///< its last answer, one action a control step
-  PyObject* memory = nullptr;              ///< the callable's own; owned, null before the first query
+  std::uint64_t seed = 0;               ///< of the rollout
+  std::vector<Glimpse> past{};          ///< what the callable looks back on, oldest first
+  std::vector<pusht::Action> answer{};  ///< its last answer, one action a control step
+  PyObject* memory = nullptr;           ///< the callable's own; owned, null before the first query
 };
 
 /// Call of something of Python other than the policy: a world's step.

@@ -14,6 +14,7 @@ PYBIND11_MODULE(_sim2sim, module) {
   sim2sim::python::bindAuditPolicy(module);
   sim2sim::python::bindCompare(module);
   sim2sim::python::bindLoadedPolicy(module);
+  sim2sim::python::bindPixelWorlds(module);
   sim2sim::python::bindStatistics(module);
   sim2sim::python::bindWorldBatch(module);
   module.attr("HORIZON") = pusht::kHorizon;

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "bindings.hpp"
+#include "pixel_worlds.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/spawn.hpp"
 #include "pusht_task/task.hpp"
@@ -32,13 +33,13 @@ struct RolloutMemory : pusht::Policy::Memory {
     }
   }
 
-  void see(const pusht::Observation& observation, std::size_t history) {
+  void see(const Glimpse& glimpse, std::size_t history) {
     if (row.past.empty()) {
-      row.past.assign(history, observation);
+      row.past.assign(history, glimpse);
       return;
     }
     std::rotate(row.past.begin(), row.past.begin() + 1, row.past.end());
-    row.past.back() = observation;
+    row.past.back() = glimpse;
   }
 
   Desk& desk;
@@ -56,7 +57,7 @@ std::vector<std::unique_ptr<RolloutMemory>> trialRows(Desk& desk, int history, c
     rows.push_back(std::make_unique<RolloutMemory>(desk, pusht::Beginning{number}));
     for (int past = 0; past < history; ++past) {
       const pusht::WorldState start = pusht::spawn(number + kRows * static_cast<std::uint64_t>(past), task);
-      rows.back()->see(pusht::observe(start, task), static_cast<std::size_t>(history));
+      rows.back()->see({pusht::observe(start, task), start}, static_cast<std::size_t>(history));
     }
   }
   return rows;
@@ -84,6 +85,10 @@ bool isAlike(const std::vector<pusht::Action>& one, const std::vector<pusht::Act
 
 RolloutMemory& memoryOf(const pusht::Policy::Query& query) { return static_cast<RolloutMemory&>(*query.memory); }
 
+Glimpse glimpseOf(const pusht::Policy::Query& query) {
+  return {query.observation, query.state == nullptr ? std::nullopt : std::optional(*query.state)};
+}
+
 std::string shapeOf(const py::array& array) { return py::str(array.attr("shape")); }
 
 }  // namespace
@@ -97,7 +102,7 @@ void PythonPolicy::act(pusht::Span<const Query> queries, pusht::Span<pusht::Acti
   std::vector<RolloutMemory*> asking;
   for (const Query& query : queries) {
     RolloutMemory& memory = memoryOf(query);
-    memory.see(query.observation, static_cast<std::size_t>(history_));
+    memory.see(glimpseOf(query), static_cast<std::size_t>(history_));
     if (memory.left == 0) {
       rows.push_back(&memory.row);
       asking.push_back(&memory);
@@ -147,8 +152,9 @@ int actionsInAnswer(Desk& desk, int history) {
   return static_cast<int>(rows.front()->row.answer.size());
 }
 
-Callable::Callable(py::object policy, std::string name, int history)
+Callable::Callable(py::object policy, std::string name, int history, py::object sight)
     : policy_(std::move(policy)),
+      sight_(std::move(sight)),
       as_array_(py::module_::import("sim2sim.tensors").attr("as_array")),
       name_(std::move(name)),
       history_(history),
@@ -166,19 +172,37 @@ py::array Callable::arrayOf(const py::object& answer) const {
   }
 }
 
-py::object Callable::ask(const std::vector<Row*>& rows) const {
-  const auto count = static_cast<py::ssize_t>(rows.size());
-  std::vector<py::ssize_t> shape = {count, kNumbers};
+template <class Number, class Numbers>
+py::array_t<Number> Callable::arrayOf(const std::vector<Row*>& rows, py::ssize_t width, const Numbers& numbers) const {
+  std::vector<py::ssize_t> shape = {static_cast<py::ssize_t>(rows.size()), width};
   if (history_ > 0) {
     shape.insert(shape.begin() + 1, history_);
   }
-  py::array_t<float> observations(shape);  // a new one each time: the callable may keep it
-  float* number = observations.mutable_data();
+  py::array_t<Number> array(shape);  // a new one each time: the callable may keep it
+  Number* number = array.mutable_data();
   for (const Row* row : rows) {
-    for (const pusht::Observation& observation : row->past) {
-      number = std::copy(observation.begin(), observation.end(), number);
+    for (const Glimpse& glimpse : row->past) {
+      const auto values = numbers(glimpse);
+      number = std::copy(values.begin(), values.end(), number);
     }
   }
+  return array;
+}
+
+py::object Callable::observationsOf(const std::vector<Row*>& rows) const {
+  if (sight_.is_none()) {
+    return arrayOf<float>(rows, kNumbers, [](const Glimpse& glimpse) { return glimpse.observation; });
+  }
+  return sight_(arrayOf<double>(rows, kPixelNumbers, [](const Glimpse& glimpse) {
+    if (!glimpse.state) {
+      throw pusht::InternalError("a policy that sees states must be asked with them");
+    }
+    return numbersInPixels(pusht::gym_pusht::fromTable(*glimpse.state));
+  }));
+}
+
+py::object Callable::ask(const std::vector<Row*>& rows) const {
+  const py::object observations = observationsOf(rows);
   if (!has_memory_) {
     return policy_(observations);
   }

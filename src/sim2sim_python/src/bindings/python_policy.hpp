@@ -42,8 +42,9 @@ int actionsInAnswer(Desk& desk, int history);
 class Callable {
  public:
   /// `policy` is a function of observations, or an object with begin() and act(). With `history` 0 an observation is
-  /// a row of 10 numbers, otherwise [history, 10]. `name` stands in messages.
-  Callable(pybind11::object policy, std::string name, int history);
+  /// a row of 10 numbers, otherwise [history, 10]. `name` stands in messages. With a `sight`, not None, observations
+  /// are what that function makes of states in pixels, with kPixelNumbers in place of the 10 (pixel_worlds.hpp).
+  Callable(pybind11::object policy, std::string name, int history, pybind11::object sight = pybind11::none());
 
   const std::string& name() const { return name_; }
 
@@ -53,11 +54,18 @@ class Callable {
 
  private:
   pybind11::object ask(const std::vector<Row*>& rows) const;
+  pybind11::object observationsOf(const std::vector<Row*>& rows) const;
+
+  /// Array [n, width], or with a history [n, history, width], of the numbers of all that the rows look back on.
+  template <class Number, class Numbers>
+  pybind11::array_t<Number> arrayOf(const std::vector<Row*>& rows, pybind11::ssize_t width,
+                                    const Numbers& numbers) const;
 
   /// Throws BadDependency unless NumPy can make an array of it.
   pybind11::array arrayOf(const pybind11::object& answer) const;
 
   pybind11::object policy_;
+  pybind11::object sight_;
   pybind11::object as_array_;  // of sim2sim.tensors
   std::string name_;
   int history_;

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-from typing import Any, Dict, List, Tuple
+from typing import Any, Dict, List, Optional, Tuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,8 @@ def compare(
     name: str,
     version: str,
     history: int,
+    sight: object,
+    seen: str,
     simulators: List[Any],
     progress: bool,
 ) -> Dict[str, str]: ...
@@ -77,3 +79,24 @@ class WorldBatch:
     def successes(self) -> NDArray[np.bool_]: ...
     @property
     def steps(self) -> NDArray[np.int64]: ...
+
+def gym_pusht_drawn(seed: int) -> NDArray[np.float64]: ...
+def gym_pusht_keypoints(states: NDArray[np.float64]) -> NDArray[np.float64]: ...
+
+class PixelWorlds:
+    def __init__(
+        self,
+        kind: str,
+        parameters: Dict[str, Any],
+        worlds: int,
+        block_cog: Optional[Tuple[float, float]],
+        damping: Optional[float],
+    ) -> None: ...
+    def reset(self, world: int, asked: NDArray[np.float64]) -> None: ...
+    def step(self, targets: NDArray[np.float64], mask: NDArray[np.bool_]) -> None: ...
+    @property
+    def states(self) -> NDArray[np.float64]: ...
+    @property
+    def coverages(self) -> NDArray[np.float64]: ...
+    @property
+    def contacts(self) -> NDArray[np.int64]: ...

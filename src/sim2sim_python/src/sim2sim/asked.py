@@ -20,14 +20,18 @@ class Asked(NamedTuple):
 
 @contextlib.contextmanager
 def asked(
-    policy: object, *, history: Optional[int] = None, version: Optional[str] = None
+    policy: object,
+    *,
+    history: Optional[int] = None,
+    version: Optional[str] = None,
+    obs_type: Optional[str] = None,
 ) -> Iterator[Asked]:
     """The policy while it is asked: a module of PyTorch without gradients, in evaluation mode.
 
     Raises InvalidInput for what is no policy, and for options that need a callable.
     """
     if isinstance(policy, (str, os.PathLike)):
-        _require_left_out(history=history, version=version)
+        _require_left_out(history=history, version=version, obs_type=obs_type)
         yield Asked(None, os.fspath(policy), 0)
         return
     _require_callable(policy)

@@ -6,6 +6,7 @@ from typing import Mapping, Optional
 from sim2sim import _sim2sim
 from sim2sim.asked import asked
 from sim2sim.checks import checked_mapping, checked_text
+from sim2sim.gym_pusht.sight import Sight
 from sim2sim.results import Comparison, comparison_of
 from sim2sim.simulator import in_python
 
@@ -19,6 +20,9 @@ def compare(
     engine_parameters: Optional[Mapping[str, object]] = None,
     history: Optional[int] = None,
     version: Optional[str] = None,
+    obs_type: Optional[str] = None,
+    observation_width: int = 96,
+    observation_height: int = 96,
     progress: bool = False,
     **options: object,
 ) -> Comparison:
@@ -31,6 +35,10 @@ def compare(
     row: begin() makes one at the beginning of a rollout, act() changes it in place. All calls come
     from the thread that called compare(). A PyTorch module, eager or scripted, is a callable: it
     gets and gives tensors, without gradients and in evaluation mode.
+
+    In the task gym_pusht, `obs_type` hands a callable what gym-pusht's environment of that type
+    shows, for n worlds at once: arrays, or a dict of them, whose first axis is the worlds', and
+    with `history` the second one the past's (sim2sim.gym_pusht.Sight).
 
     Before the run a callable is asked for eight rows, in order, in reverse, and for three of them.
     If a row gets another action (by more than 0.001 m/s), the callable has a memory or random
@@ -56,14 +64,25 @@ def compare(
     simulators = in_python(options, reference=reference, engine=engine)
     options["set_reference"] = dict(checked_mapping("reference_parameters", reference_parameters))
     options["set"] = dict(checked_mapping("engine_parameters", engine_parameters))
+    sight = None
+    if obs_type is not None:
+        sight = Sight(obs_type, observation_width, observation_height)
     known_as = "" if version is None else checked_text("version", version)
-    with asked(policy, history=history, version=version) as it:
+    with asked(policy, history=history, version=version, obs_type=obs_type) as it:
         if it.callable is None:
             options["policy"] = policy
         one_thread = it.callable is not None and not getattr(policy, "row_independent", False)
         if (one_thread or simulators) and options.get("threads") is None:
             options["threads"] = 1
         texts = _sim2sim.compare(
-            options, it.callable, it.name, known_as, it.history, simulators, bool(progress)
+            options,
+            it.callable,
+            it.name,
+            known_as,
+            it.history,
+            None if sight is None else sight.with_past,
+            "" if sight is None else str(sight),
+            simulators,
+            bool(progress),
         )
     return comparison_of(texts)

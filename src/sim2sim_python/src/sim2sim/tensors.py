@@ -4,7 +4,7 @@ imported it can have such an object."""
 
 import contextlib
 import sys
-from typing import Any, Iterator
+from typing import Any, Dict, Iterator, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,11 +39,19 @@ class Module:
         self._module = module
         self._like = next(iter(module.parameters()), torch.empty(0))
 
-    def __call__(self, observations: NDArray[np.float32]) -> Any:
+    def __call__(self, observations: Union[NDArray[Any], Dict[str, NDArray[Any]]]) -> Any:
+        if isinstance(observations, dict):
+            return self._module({name: self._tensor(a) for name, a in observations.items()})
+        return self._module(self._tensor(observations))
+
+    def _tensor(self, array: NDArray[Any]) -> Any:
+        """Images stay bytes."""
         import torch
 
-        tensor = torch.from_numpy(observations)
-        return self._module(tensor.to(self._like.device, self._like.dtype))
+        tensor = torch.from_numpy(array)
+        if array.dtype == np.uint8:
+            return tensor.to(self._like.device)
+        return tensor.to(self._like.device, self._like.dtype)
 
 
 @contextlib.contextmanager

@@ -4,7 +4,6 @@
 https://gymnasium.farama.org/api/env and /api/vector define what the methods mean.
 """
 
-import secrets
 from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
@@ -26,32 +25,14 @@ from sim2sim.checks import (
     checked_text,
 )
 from sim2sim.errors import InvalidInput
-from sim2sim.gym import NEXT_STEP, Box, Env, VectorEnv, register
+from sim2sim.gym import NEXT_STEP, Box, Env, VectorEnv, register, register_gym_pusht
+from sim2sim.starts import Starts
 
 Info = Dict[str, Any]
 ACTION = 2  # numbers
+GYM_PUSHT = "gym_pusht"  # task and kind
 VELOCITIES = ("pusher_vx", "pusher_vy", "tee_vx", "tee_vy", "tee_yaw_rate")  # 0 if left out
 MOST_WORLDS = 100_000
-
-
-class _Starts:
-    """Spawn seeds of one world: the given ones, and those that follow from them.
-
-    A reset without a seed draws one below the task's first, so it is none of those from which
-    comparisons start.
-    """
-
-    def __init__(self, first_of_comparisons: int) -> None:
-        self._first_of_comparisons = first_of_comparisons
-        self.random: Optional[np.random.Generator] = None
-
-    def given(self, seed: int) -> None:
-        self.random = np.random.default_rng((seed, 1))
-
-    def drawn(self) -> int:
-        if self.random is None:
-            self.random = np.random.default_rng(secrets.randbits(64))
-        return int(self.random.integers(self._first_of_comparisons))
 
 
 class _Worlds:
@@ -73,7 +54,7 @@ class _Worlds:
         self.horizon = checked_integer("horizon", horizon, 1, 1_000_000)
         named = "" if task is None else checked_text("task", task)
         self._batch = WorldBatch(self.kind, dict(parameters), count, named)
-        self._starts = [_Starts(self._batch.first_spawn_seed) for _ in range(count)]
+        self._starts = [Starts(self._batch.first_spawn_seed) for _ in range(count)]
         self._ended: Optional[NDArray[np.bool_]] = None  # None: must be reset
 
     def render(self) -> None:
@@ -263,22 +244,56 @@ class VectorWorld(_Worlds, VectorEnv):
 
 
 def make(
-    kind: str, *, horizon: int = HORIZON, task: Optional[str] = None, **parameters: object
-) -> World:
-    """A world of an installed kind: make("mujoco", timestep=0.005)."""
-    return World(kind, horizon=horizon, task=task, **parameters)
+    kind: str,
+    *,
+    obs_type: Optional[str] = None,
+    horizon: int = HORIZON,
+    task: Optional[str] = None,
+    **parameters: Any,
+) -> Any:
+    """A world of an installed kind: make("mujoco", timestep=0.005).
+
+    With `obs_type` it is gym-pusht's environment, sim2sim.gym_pusht.PushTEnv, whose arguments are
+    then the keywords: make("gym_pusht", obs_type="state"). Another kind, or `engine`, puts it on
+    other physics: make("mujoco", obs_type="pixels").
+    """
+    if obs_type is None:
+        return World(kind, horizon=horizon, task=task, **parameters)
+    return _pixel_world("PushTEnv")(
+        obs_type, **_on_engine(kind, task, parameters), max_episode_steps=horizon
+    )
 
 
 def make_vec(
     kind: str,
     num_envs: int = 1,
     *,
+    obs_type: Optional[str] = None,
     horizon: int = HORIZON,
     task: Optional[str] = None,
-    **parameters: object,
-) -> VectorWorld:
-    """Worlds of an installed kind that step together."""
-    return VectorWorld(kind, num_envs, horizon=horizon, task=task, **parameters)
+    **parameters: Any,
+) -> Any:
+    """Worlds of an installed kind that step together; with `obs_type`, environments of gym-pusht,
+    sim2sim.gym_pusht.PushTVectorEnv, as make()."""
+    if obs_type is None:
+        return VectorWorld(kind, num_envs, horizon=horizon, task=task, **parameters)
+    return _pixel_world("PushTVectorEnv")(
+        num_envs, obs_type, **_on_engine(kind, task, parameters), max_episode_steps=horizon
+    )
+
+
+def _pixel_world(name: str) -> Any:
+    """The class of this name; not at the top, as that module needs this one's package."""
+    from sim2sim import gym_pusht
+
+    return getattr(gym_pusht, name)
+
+
+def _on_engine(kind: str, task: Optional[str], parameters: Mapping[str, Any]) -> Dict[str, Any]:
+    """Arguments of gym-pusht's environment on the engine `kind`, unless another one is named."""
+    if task not in (None, GYM_PUSHT):
+        raise InvalidInput(f"task {task}: must be {GYM_PUSHT}, or left out, with an obs_type")
+    return {"engine": kind, **parameters}
 
 
 def parameters(kind: str) -> List[Dict[str, Any]]:
@@ -323,3 +338,4 @@ def _numbers_by_name(state: Mapping[str, float]) -> List[float]:
 
 
 register(kinds())
+register_gym_pusht("sim2sim/GymPushT-v0")

@@ -9,7 +9,7 @@
 namespace pusht {
 
 std::size_t observationNumbers(const PolicyDescription& description) {
-  return static_cast<std::size_t>(description.observations) * std::tuple_size<Observation>::value;
+  return static_cast<std::size_t>(description.observations * description.interface.numbers());
 }
 
 std::size_t actionNumbers(const PolicyDescription& description) {
@@ -50,8 +50,12 @@ std::unique_ptr<Policy::Memory> NetworkActor::begin(const Beginning& beginning) 
 void NetworkActor::act(Span<const Query> queries, Span<Action> actions) {
   calls_.clear();
   if (!description_.hasMemory()) {
+    const std::size_t numbers = observationNumbers(description_);
+    seen_.resize(queries.size() * numbers);
     for (std::size_t i = 0; i < queries.size(); ++i) {
-      calls_.push_back({queries[i].observation, {}, {}, actions[i]});
+      const Span<float> seen(seen_.data() + i * numbers, numbers);
+      description_.interface.look(queries[i].observation, seen);
+      calls_.push_back({seen, {}, {}, actions[i]});
     }
     return network_->answer(calls_);
   }

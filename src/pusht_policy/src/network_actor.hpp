@@ -63,6 +63,7 @@ class NetworkActor final : public Policy {
   std::unique_ptr<Network> network_;
   PolicyDescription description_;
   std::vector<NetworkCall> calls_;
+  std::vector<float> seen_;   // by all calls without a memory
   std::vector<float> noise_;  // of all calls
 };
 

@@ -59,6 +59,7 @@ ChosenPolicy trained(const std::filesystem::path& path, const std::string& name,
   chosen.name = name;
   chosen.identity = identityOf(info);
   chosen.provenance = provenanceOf(info);
+  chosen.interface = info.description.interface;
   chosen.libraries = info.runsOnKernel() ? std::vector<std::string>{kNetworkPolicyLibrary} : kLibraries;
   return chosen;
 }

@@ -8,7 +8,6 @@
 namespace pusht {
 namespace {
 
-constexpr std::size_t kObservationNumbers = std::tuple_size<Observation>::value;
 constexpr std::size_t kActionNumbers = std::tuple_size<Action>::value;
 
 }  // namespace
@@ -27,7 +26,8 @@ void PolicyNoise::draw(Span<float> noise) {
 }
 
 NetworkMemory::NetworkMemory(const PolicyDescription& description, const Beginning& beginning)
-    : history_(static_cast<std::size_t>(description.observations) * kObservationNumbers),
+    : interface_(description.interface),
+      history_(static_cast<std::size_t>(description.observations * description.interface.numbers())),
       state_(numbersIn(description.state)),
       answer_(static_cast<std::size_t>(description.actions) * kActionNumbers),
       execute_(beginning.execute > 0 ? beginning.execute : description.execute),
@@ -38,12 +38,16 @@ NetworkMemory::NetworkMemory(const PolicyDescription& description, const Beginni
 }
 
 void NetworkMemory::see(const Observation& observation) {
-  auto place =
-      begun_ ? std::move(history_.begin() + kObservationNumbers, history_.end(), history_.begin()) : history_.begin();
-  begun_ = true;
-  while (place != history_.end()) {
-    place = std::copy(observation.begin(), observation.end(), place);
+  const auto numbers = static_cast<std::ptrdiff_t>(interface_.numbers());
+  if (begun_) {
+    std::move(history_.begin() + numbers, history_.end(), history_.begin());
   }
+  const auto latest = history_.end() - numbers;
+  interface_.look(observation, {&*latest, static_cast<std::size_t>(numbers)});
+  for (auto place = history_.begin(); !begun_ && place != latest; place += numbers) {
+    std::copy(latest, history_.end(), place);
+  }
+  begun_ = true;
 }
 
 void NetworkMemory::draw(Span<float> noise) {

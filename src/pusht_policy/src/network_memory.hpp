@@ -37,7 +37,9 @@ class NetworkMemory final : public Policy::Memory {
   /// Whether the actions to be executed have run out, so that the network must be asked.
   bool isSpent() const { return next_ == execute_; }
 
-  Span<const float> history() const { return history_; }  ///< [observations][10], the oldest first
+  Span<const float> history() const {
+    return history_;
+  }  ///< [observations][numbers of the interface], the oldest first
   Span<float> state() { return state_; }
 
   /// Noise of a call, for a network that takes noise.
@@ -50,6 +52,7 @@ class NetworkMemory final : public Policy::Memory {
   Action next();
 
  private:
+  PolicyInterface interface_;
   std::vector<float> history_;
   bool begun_ = false;
   std::vector<float> state_;

@@ -18,13 +18,14 @@ constexpr int kCallsWithState = 4;  // one after the other, each with the state 
 
 /// Histories for each probe, one after the other: at the beginning of a rollout, where one observation is repeated, and
 /// every second one of unlike observations.
-std::vector<float> probeHistories(int observations) {
-  const std::vector<Observation> all = networkProbes();
+std::vector<float> probeHistories(const PolicyDescription& description) {
+  const std::vector<Observation> all = networkProbes(description.interface);
+  std::vector<float> seen(static_cast<std::size_t>(description.interface.numbers()));
   std::vector<float> histories;
   for (int probe = 0; probe < kNetworkProbes; ++probe) {
-    for (int i = 0; i < observations; ++i) {
-      const Observation& observation = all[(probe + i * (probe % 2)) % kNetworkProbes];
-      histories.insert(histories.end(), observation.begin(), observation.end());
+    for (int i = 0; i < description.observations; ++i) {
+      description.interface.look(all[(probe + i * (probe % 2)) % kNetworkProbes], seen);
+      histories.insert(histories.end(), seen.begin(), seen.end());
     }
   }
   return histories;
@@ -46,7 +47,7 @@ void requireFinite(const std::vector<float>& values, const std::string& what, in
 
 std::vector<float> answersToProbes(Network& network, const PolicyDescription& description, const std::string& name) {
   constexpr int kActionNumbers = std::tuple_size<Action>::value;
-  const std::vector<float> histories = probeHistories(description.observations);
+  const std::vector<float> histories = probeHistories(description);
   const bool has_state = !description.state.empty();
   const int stride = has_state || description.isStochastic() ? kCallsWithState : 1;  // as many calls for all networks
   const std::size_t length = observationNumbers(description);

@@ -29,6 +29,7 @@ ChosenPolicy trainedOnnx(const std::filesystem::path& path, const std::string& n
   addDescription(info.description, chosen.identity);
   addDescription(info.description, chosen.provenance);
   addNoise(info.description, chosen.provenance);
+  chosen.interface = info.description.interface;
   chosen.libraries = {kOnnxPolicyLibrary};
   return chosen;
 }

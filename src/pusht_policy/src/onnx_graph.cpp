@@ -148,9 +148,8 @@ Sizes ofOneRollout(const PolicyDescription::Shape& shape) {
 
 /// Shapes of what goes in, or comes out, by the description.
 std::vector<Sizes> shapesBy(const PolicyDescription& description, bool are_inputs) {
-  constexpr int kObservation = std::tuple_size<Observation>::value;
   constexpr int kAction = std::tuple_size<Action>::value;
-  const int columns = are_inputs ? kObservation : kAction;
+  const int columns = are_inputs ? description.interface.numbers() : kAction;
   const int times = are_inputs ? description.observations : description.actions;
   std::vector<Sizes> shapes = {description.described ? Sizes{1, times, columns} : Sizes{1, columns}};
   if (!description.state.empty()) {

@@ -12,6 +12,7 @@
 #include "network_choice.hpp"
 #include "pusht_policy/scripted_expert.hpp"
 #include "pusht_task/error.hpp"
+#include "pusht_task/joined.hpp"
 #include "pusht_task/library.hpp"
 #include "rehearsal.hpp"
 
@@ -90,23 +91,7 @@ ChosenPolicy withinMemory(const std::string& what, const std::function<bool()>& 
   return load();
 }
 
-}  // namespace
-
-ChosenPolicy choosePolicy(const PolicyChoice& choice, const fs::path& shipped, const std::function<bool()>& stop) {
-  const Task& task = choice.task;
-  if (choice.policy == kExpertPolicy) {
-    return {[&task] { return std::make_unique<ScriptedExpert>(task); },
-            kExpertPolicy,
-            {{"scripted", kExpertPolicy}},
-            {{"runs_on", "scripted"}},
-            {},
-            ""};
-  }
-  if (&task != &fullCircle()) {
-    throw InvalidInput("policy " + choice.policy + ": must be " + kExpertPolicy +
-                       ", or a callable in Python, in the task " + task.name + ": files hold policies of " +
-                       fullCircle().name);
-  }
+ChosenPolicy chooseNetwork(const PolicyChoice& choice, const fs::path& shipped, const std::function<bool()>& stop) {
   const auto untrained = [&](const std::string& warning) {
     return withinMemory("the untrained policy", stop,
                         [&] { return networkPolicies().untrained(choice.untrained_seed, warning); });
@@ -128,6 +113,27 @@ ChosenPolicy choosePolicy(const PolicyChoice& choice, const fs::path& shipped, c
   return untrained("policy " + file.string() +
                    ": there is no such file. Running an UNTRAINED policy instead: success and transfer say nothing "
                    "until a trained one is named.");
+}
+
+}  // namespace
+
+ChosenPolicy choosePolicy(const PolicyChoice& choice, const fs::path& shipped, const std::function<bool()>& stop) {
+  const Task& task = choice.task;
+  if (choice.policy == kExpertPolicy) {
+    return {[&task] { return std::make_unique<ScriptedExpert>(task); },
+            kExpertPolicy,
+            {{"scripted", kExpertPolicy}},
+            {{"runs_on", "scripted"}},
+            {},
+            ""};
+  }
+  ChosenPolicy chosen = chooseNetwork(choice, shipped, stop);
+  if (!chosen.interface.fits(task)) {
+    throw InvalidInput("policy " + choice.policy + ": has the interface " + chosen.interface.text() +
+                       "; must have one of the task " + task.name + ": " + joined(policyInterfacesOf(task)) +
+                       "; or be " + kExpertPolicy);
+  }
+  return chosen;
 }
 
 }  // namespace pusht

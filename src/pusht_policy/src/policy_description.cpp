@@ -9,6 +9,7 @@
 #include "pusht_policy/formats.hpp"
 #include "pusht_task/clipped.hpp"
 #include "pusht_task/error.hpp"
+#include "pusht_task/gym_pusht.hpp"
 #include "pusht_task/joined.hpp"
 #include "pusht_task/types.hpp"
 
@@ -119,6 +120,39 @@ PolicyDescription::Distribution distributionFrom(const json& object, const std::
   return static_cast<PolicyDescription::Distribution>(found - kDistributions.begin());
 }
 
+/// One of `words`, by its index.
+std::size_t wordFrom(const json& object, const char* key, const std::vector<std::string>& words,
+                     const std::string& where) {
+  const json& value = valueOf(object, key, where);
+  const auto found = std::find_if(words.begin(), words.end(), [&](const std::string& word) { return value == word; });
+  if (found == words.end()) {
+    refuseValue(where, key, value, "one of " + joined(words));
+  }
+  return static_cast<std::size_t>(found - words.begin());
+}
+
+PolicyInterface interfaceFrom(const json& root, const std::string& where) {
+  PolicyInterface interface;
+  if (root.contains("interface")) {
+    interface.name = static_cast<PolicyInterface::Name>(wordFrom(root, "interface", policyInterfaceNames(), where));
+  }
+  if (interface.name == PolicyInterface::Name::kGymKeypoints) {
+    const json& keypoints = valueOf(root, "keypoints", where);
+    if (keypoints != gym_pusht::kCorners && keypoints != gym_pusht::kScattered) {
+      refuseValue(where, "keypoints", keypoints, "8, the tee's corners, or 9, those of Diffusion Policy");
+    }
+    interface.keypoints = keypoints.get<int>();
+    interface.agent_first = wordFrom(root, "agent", {"first", "last"}, where) == 0;
+  } else {
+    for (const char* key : {"keypoints", "agent"}) {
+      if (root.contains(key)) {
+        throw InvalidInput(where + ": key " + key + " must be left out with the interface " + interface.text());
+      }
+    }
+  }
+  return interface;
+}
+
 /// ", state float [1, 64]"; nothing for an empty shape.
 std::string tensorText(const std::string& name, const Shape& shape) {
   std::string text = name + "float [1";
@@ -131,8 +165,8 @@ std::string tensorText(const std::string& name, const Shape& shape) {
 }  // namespace
 
 std::string PolicyDescription::inputs() const {
-  constexpr int kNumbers = std::tuple_size<Observation>::value;
-  return tensorText("", described ? Shape{observations, kNumbers} : Shape{kNumbers}) +
+  const int numbers = interface.numbers();
+  return tensorText("", described ? Shape{observations, numbers} : Shape{numbers}) +
          (state.empty() ? "" : tensorText(", state ", state)) + (noise.empty() ? "" : tensorText(", noise ", noise));
 }
 
@@ -152,13 +186,16 @@ std::size_t numbersIn(const Shape& shape) {
 
 PolicyDescription descriptionFrom(const std::string& text, const std::string& where) {
   const json root = parseDescription(text, where);
-  requireKeys(root, {"format", "observations", "actions", "execute", "state", "noise"}, where);
+  requireKeys(root,
+              {"format", "interface", "keypoints", "agent", "observations", "actions", "execute", "state", "noise"},
+              where);
   const json& format = valueOf(root, "format", where);
   if (format != kDescriptionFormat) {
     refuseValue(where, "format", format, std::to_string(kDescriptionFormat) + ", the one that this version reads");
   }
   PolicyDescription description;
   description.described = true;
+  description.interface = interfaceFrom(root, where);
   description.observations = countFrom(root, "observations", PolicyDescription::kMostObservations, "", where);
   description.actions = countFrom(root, "actions", PolicyDescription::kMostActions, "", where);
   description.execute = root.contains("execute")
@@ -181,6 +218,14 @@ json toJson(const PolicyDescription& description) {
                  {"observations", description.observations},
                  {"actions", description.actions},
                  {"execute", description.execute}};
+  const PolicyInterface& interface = description.interface;
+  if (!(interface == PolicyInterface())) {
+    object["interface"] = policyInterfaceNames()[static_cast<std::size_t>(interface.name)];
+  }
+  if (interface.name == PolicyInterface::Name::kGymKeypoints) {
+    object["keypoints"] = interface.keypoints;
+    object["agent"] = interface.agent_first ? "first" : "last";
+  }
   if (!description.state.empty()) {
     object["state"] = {{"shape", description.state}};
   }

@@ -23,7 +23,6 @@
 namespace pusht {
 namespace {
 
-constexpr int kColumns = std::tuple_size<Observation>::value;
 constexpr int kActionColumns = std::tuple_size<Action>::value;
 
 torch::jit::Module loadModule(const std::string& bytes, const std::string& name) {
@@ -106,8 +105,9 @@ std::string firstLine(const std::exception& error) {
 TorchNetwork::TorchNetwork(const std::string& bytes, std::string name, PolicyDescription description)
     : name_(std::move(name)),
       description_(std::move(description)),
-      observation_sizes_(description_.described ? batchOfOne({description_.observations, kColumns})
-                                                : batchOfOne({kColumns})),
+      observation_sizes_(description_.described
+                             ? batchOfOne({description_.observations, description_.interface.numbers()})
+                             : batchOfOne({description_.interface.numbers()})),
       action_sizes_(description_.described ? batchOfOne({description_.actions, kActionColumns})
                                            : batchOfOne({kActionColumns})),
       module_(std::make_shared<torch::jit::Module>(loadModule(bytes, name_))) {
@@ -195,7 +195,7 @@ std::shared_ptr<torch::jit::Graph> TorchNetwork::straightened() const {
 
 std::vector<Operation> untrainedOperations(std::uint64_t seed) {
   constexpr int kHidden = 64;
-  const std::vector<int> widths = {kColumns, kHidden, kHidden, kActionColumns};
+  const std::vector<int> widths = {PolicyInterface().numbers(), kHidden, kHidden, kActionColumns};
   using Kind = Operation::Kind;
   torch::manual_seed(seed);
   std::vector<Operation> operations;

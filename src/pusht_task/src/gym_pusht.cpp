@@ -2,7 +2,7 @@
 #include "pusht_task/gym_pusht.hpp"
 
 #include <Eigen/Geometry>
-
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -21,6 +21,19 @@ using Eigen::Vector2d;
 Vector2d armTo(double point, double angle) { return Eigen::Rotation2Dd(angle) * Vector2d(0.0, point); }
 
 Vector2d perpendicular(const Vector2d& arm) { return {-arm.y(), arm.x()}; }
+
+/// Points of the tee, from its origin, where it is; in gym-pusht's order of operations.
+template <std::size_t kCount>
+std::array<Vector2d, kCount> placed(const std::array<std::array<double, 2>, kCount>& points, const State& state) {
+  const double cosine = std::cos(state.angle);
+  const double sine = std::sin(state.angle);
+  std::array<Vector2d, kCount> placed;
+  std::transform(points.begin(), points.end(), placed.begin(), [&](const std::array<double, 2>& point) {
+    const auto [x, y] = point;
+    return Vector2d(x * cosine - y * sine + state.tee.x(), x * sine + y * cosine + state.tee.y());
+  });
+  return placed;
+}
 
 class InPixels final : public World {
  public:
@@ -100,16 +113,23 @@ State turned(const State& asked, double center_of_gravity) {
   return state;
 }
 
-std::array<Vector2d, 8> keypoints(const State& state) {
+std::array<Vector2d, kCorners> keypoints(const State& state) {
   // Chipmunk's order of the corners.
-  std::array<Vector2d, 8> corners = {Vector2d(-60, 0),  Vector2d(60, 0), Vector2d(60, 30),  Vector2d(-60, 30),
-                                     Vector2d(-15, 30), Vector2d(15, 30), Vector2d(15, 120), Vector2d(-15, 120)};
-  const double cosine = std::cos(state.angle);
-  const double sine = std::sin(state.angle);
-  for (Vector2d& corner : corners) {
-    corner = Vector2d(corner.x() * cosine - corner.y() * sine, corner.x() * sine + corner.y() * cosine) + state.tee;
-  }
-  return corners;
+  return placed<kCorners>({{{-60, 0}, {60, 0}, {60, 30}, {-60, 30}, {-15, 30}, {15, 30}, {15, 120}, {-15, 120}}},
+                          state);
+}
+
+std::array<Vector2d, kScattered> scatteredKeypoints(const State& state) {
+  return placed<kScattered>({{{9.269786713763871, 90.04097352393619},
+                              {-60.983472364471474, -1.1867297607997276},
+                              {60.91275557727772, -1.3933642242328201},
+                              {-0.2705034390160016, 25.54362499146542},
+                              {-14.064927576212233, 122.81585355412153},
+                              {39.002738500170146, 32.857404276587566},
+                              {-39.966414424694534, 32.729655446429945},
+                              {-16.82434437939744, 62.86317892234989},
+                              {23.54146122024909, -1.7002881094626152}}},
+                            state);
 }
 
 std::unique_ptr<World> inPixels(std::unique_ptr<Simulator> simulator) {

@@ -160,7 +160,8 @@ void requireOnTable(WorldState state, const pusht::Task& task) {
     if (field.unit == "m" && std::abs(value - middle) > task.physics.wall_inner_face) {
       const double end = middle + std::copysign(task.physics.wall_inner_face, value);
       throw pusht::InvalidInput(std::string(field.name) + " " + coordinateText(value, axis, task) +
-                                ": the table ends at " + coordinateText(middle == 0.0 ? std::abs(end) : end, axis, task) +
+                                ": the table ends at " +
+                                coordinateText(middle == 0.0 ? std::abs(end) : end, axis, task) +
                                 (std::abs(value) > kOtherUnit ? "; pixels or millimeters?" : ""));
     }
   }

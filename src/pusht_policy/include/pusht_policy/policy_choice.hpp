@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "pusht_task/policy.hpp"
+#include "pusht_task/policy_interface.hpp"
 #include "pusht_task/task.hpp"
 
 namespace pusht {
@@ -40,11 +41,12 @@ struct ChosenPolicy {
   nlohmann::json provenance;           ///< origin, and what it runs on
   std::vector<std::string> libraries;  ///< prefixes of the names of libraries that compute it, besides pusht_policy
   std::string warning;                 ///< says that another policy runs than was asked for; else empty
+  PolicyInterface interface {};        ///< what it sees
 };
 
 /// Loads the policy of `choice`. `shipped` is the checkpoint that "bc" names. If it is not there, an untrained policy
 /// runs, with a warning, unless `choice` requires it: the course's guard. A named file must be there. Throws
-/// InvalidInput for a policy that was made for another task; as NetworkPolicy::load(), which gets `stop`, or as
+/// InvalidInput for a policy whose interface does not fit the task; as NetworkPolicy::load(), which gets `stop`, or as
 /// OnnxPolicy::load(); BadDependency if the library that this takes, of networks or of ONNX, is not beside this one.
 ChosenPolicy choosePolicy(
     const PolicyChoice& choice, const std::filesystem::path& shipped,

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "pusht_task/policy_interface.hpp"
+
 namespace pusht {
 
 /// Extra file of a TorchScript archive that has the description.
@@ -26,6 +28,7 @@ struct PolicyDescription {
   static constexpr int kMostNumbers = 65'536;  ///< values of a state, and of a noise
   static constexpr int kMostDimensions = 8;
 
+  PolicyInterface interface {};  ///< what an observation is to the network
   bool described = false;  ///< false: no description; the network maps [1, 10] to [1, 2], without dimensions of time
   int observations = 1;    ///< observations that the network gets at each call: the latest ones, the oldest first
   int actions = 1;         ///< actions of an answer

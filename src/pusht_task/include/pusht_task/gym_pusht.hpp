@@ -56,9 +56,17 @@ State drawn(std::uint32_t seed);
 /// center of gravity, so that its origin moves.
 State turned(const State& asked, double center_of_gravity = kCenterOfGravity);
 
+constexpr std::size_t kCorners = 8;
+constexpr std::size_t kScattered = 9;
+
 /// [px] Corners of the tee's bar, then of its stem, in the order in which gym-pusht's observation has them, to the last
 /// bit.
-std::array<Eigen::Vector2d, 8> keypoints(const State& state);
+std::array<Eigen::Vector2d, kCorners> keypoints(const State& state);
+
+/// [px] Points of the tee that Diffusion Policy's policies see: of all pixels of its picture, the ones that are
+/// farthest from each other, from a drawn one on, each moved by less than a pixel. Source: Diffusion Policy, its
+/// keypoint manager with seed 0; computed with numpy 1.24 and pygame 2.1.
+std::array<Eigen::Vector2d, kScattered> scatteredKeypoints(const State& state);
 
 /// What gym-pusht's environment lets its users change in its world.
 struct Variant {

@@ -71,8 +71,8 @@ void requireFitting(const CompareOptions& options, const CallablePolicy& callabl
   }
   const std::string& task = options.protocol.runTask().name;
   if (!callable.sight.is_none() && task != pusht::gymPusht().name) {
-    throw pusht::InvalidInput("obs_type " + callable.seen + ": must be left out in the task " + task + ", as it is of " +
-                              pusht::gymPusht().name);
+    throw pusht::InvalidInput("obs_type " + callable.seen + ": must be left out in the task " + task +
+                              ", as it is of " + pusht::gymPusht().name);
   }
   if (options.smoke) {
     throw pusht::InvalidInput("smoke: must be left out: it runs an untrained policy, and none of Python");

@@ -34,8 +34,8 @@ using Rows = py::array_t<float, py::array::c_style | py::array::forcecast>;
 /// Policy of the suite as a callable of Python.
 class LoadedPolicy {
  public:
-  LoadedPolicy(const std::string& name, bool require_policy, std::uint64_t untrained_seed)
-      : chosen_(choose(name, require_policy, untrained_seed)), policy_(chosen_.make()) {
+  LoadedPolicy(const std::string& name, bool require_policy, std::uint64_t untrained_seed, const std::string& task)
+      : chosen_(choose(name, require_policy, untrained_seed, task)), policy_(chosen_.make()) {
     if (!chosen_.warning.empty() && PyErr_WarnEx(PyExc_RuntimeWarning, chosen_.warning.c_str(), 2) != 0) {
       throw py::error_already_set();
     }
@@ -76,9 +76,10 @@ class LoadedPolicy {
   std::string provenance() const { return chosen_.provenance.dump(); }
 
  private:
-  static pusht::ChosenPolicy choose(const std::string& name, bool require_policy, std::uint64_t untrained_seed) {
+  static pusht::ChosenPolicy choose(const std::string& name, bool require_policy, std::uint64_t untrained_seed,
+                                    const std::string& task) {
     try {
-      return pusht::choosePolicy({name, require_policy, untrained_seed},
+      return pusht::choosePolicy({name, require_policy, untrained_seed, false, pusht::taskNamed(task)},
                                  pusht::installedFile("pusht_policy", pusht::kShippedCheckpoint));
     } catch (const pusht::Error&) {
       if (PyErr_CheckSignals() != 0) {  // a signal breaks off the loading
@@ -127,8 +128,8 @@ class LoadedPolicy {
 void bindLoadedPolicy(py::module_& module) {
   const py::class_<PolicyMemory> memory(module, "PolicyMemory");
   py::class_<LoadedPolicy>(module, "LoadedPolicy")
-      .def(py::init<const std::string&, bool, std::uint64_t>(), py::arg("name"), py::arg("require_policy"),
-           py::arg("untrained_seed"))
+      .def(py::init<const std::string&, bool, std::uint64_t, const std::string&>(), py::arg("name"),
+           py::arg("require_policy"), py::arg("untrained_seed"), py::arg("task"))
       .def("begin", &LoadedPolicy::begin, py::arg("seed"), py::arg("execute"))
       .def("act", &LoadedPolicy::act, py::arg("observations"), py::arg("memories"))
       .def("__call__", &LoadedPolicy::call, py::arg("observations"))

@@ -134,9 +134,8 @@ py::array_t<double> PixelWorlds::states() const {
 py::array_t<double> PixelWorlds::coverages() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   py::array_t<double> values(static_cast<py::ssize_t>(worlds_.size()));
-  std::transform(worlds_.begin(), worlds_.end(), values.mutable_data(), [](const auto& world) {
-    return pusht::coverageOf(gym::toTable(world->state()), pusht::gymPusht());
-  });
+  std::transform(worlds_.begin(), worlds_.end(), values.mutable_data(),
+                 [](const auto& world) { return pusht::coverageOf(gym::toTable(world->state()), pusht::gymPusht()); });
   return values;
 }
 

@@ -16,6 +16,7 @@ from sim2sim.checks import (
     checked_numbers,
     checked_path,
     checked_seed,
+    checked_text,
 )
 from sim2sim.errors import InvalidInput
 
@@ -70,14 +71,18 @@ def load_policy(
     execute: int = 0,
     require_policy: bool = False,
     untrained_seed: int = 0,
+    task: str = "full_circle",
 ) -> Policy:
     """The policy of that name, or in that file, as `compare --policy` takes it.
 
-    `execute`: actions of each answer that are executed; 0: as many as the policy says.
+    `execute`: actions of each answer that are executed; 0: as many as the policy says. `task`: in
+    which it acts, as for `compare`; its observations have ten numbers, whatever the policy sees.
     """
     executed = checked_integer("execute", execute, 0, MOST_ACTIONS)
     seed = checked_seed(untrained_seed)
-    return Policy(LoadedPolicy(checked_path("policy", name), bool(require_policy), seed), executed)
+    path = checked_path("policy", name)
+    known = checked_text("task", task)
+    return Policy(LoadedPolicy(path, bool(require_policy), seed, known), executed)
 
 
 def _rows(observations: object) -> NDArray[np.float32]:

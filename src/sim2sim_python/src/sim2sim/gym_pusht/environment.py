@@ -56,7 +56,11 @@ class _PixelEpisodes:
         self.goal_pose = np.array([256.0, 256.0, math.pi / 4])
         self._sight = sight
         self._worlds = PixelWorlds(
-            self.engine, dict(parameters), count, _checked_point(block_cog), _checked_damping(damping)
+            self.engine,
+            dict(parameters),
+            count,
+            _checked_point(block_cog),
+            _checked_damping(damping),
         )
         self._starts = [Starts(FIRST_SEED) for _ in range(count)]
         self._steps: Optional[NDArray[np.int64]] = None  # None: must be reset

@@ -1,0 +1,216 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Policies that were made for gym-pusht: their interfaces, and the shapes of LeRobot and Diffusion
+Policy, as files and as modules."""
+
+import json
+import unittest
+from typing import Any, Dict, List, Tuple
+
+import numpy as np
+import sim2sim
+import torch
+
+from command_case import CommandCase, executable
+from gym_policies import (
+    DIFFUSION_POLICY,
+    LEROBOT,
+    Seer,
+    save,
+    save_act,
+    save_diffusion,
+    save_mlp,
+)
+
+COMPARE = executable("sim2sim_eval", "compare")
+EXPORT = executable("pusht_policy", "export_onnx")
+GYM_STATE = {"interface": "gym_state"}
+SHORT = ("--task", "gym_pusht", "--reference", "gym_pusht", "--episodes", "2", "--horizon", "20")
+
+
+class Part(torch.nn.Module):
+    """To the point that two of the numbers are, to 4 px, so that their last bits do not count."""
+
+    def __init__(self, first: int, angle: bool = False) -> None:
+        super().__init__()
+        self.first = first
+        self.angle = angle
+
+    def forward(self, observations: torch.Tensor) -> torch.Tensor:
+        point = observations[:, :, self.first : self.first + 2]
+        if self.angle:
+            point = point[:, :, :1] * torch.tensor([50.0, 20.0])
+        return torch.floor(point / 4.0 + 0.5) * 4.0
+
+
+class Interfaces(CommandCase):
+    def compare(self, policy: str, out: str, *arguments: str) -> Dict[str, Any]:
+        command = (COMPARE, "--policy", policy, *SHORT, *arguments, "--out", out)
+        process = self.run_command(*command)
+        self.assertEqual(process.returncode, 0, process.stderr)
+        return dict(json.loads((self.folder / out / "provenance.json").read_text()))
+
+    def episodes(self, out: str) -> bytes:
+        return (self.folder / out / "episodes.csv").read_bytes()
+
+    def refusal(self, policy: str, *arguments: str, code: int = 2) -> str:
+        process = self.run_command(COMPARE, "--policy", policy, *arguments, "--out", "refused")
+        self.assertEqual(process.returncode, code, process.stdout)
+        self.assertEqual(process.stderr.count("\n"), 1, process.stderr)
+        return str(process.stderr)
+
+    def path(self, name: str) -> str:
+        return str(self.folder / name)
+
+    def test_a_policy_sees_what_the_environment_shows(self) -> None:
+        """By a callable in Python that is shown gym-pusht's own observations."""
+        corner = {"interface": "gym_keypoints", "keypoints": 8}
+        cases: Tuple[Tuple[Dict[str, Any], Part, str, Any], ...] = (
+            (GYM_STATE, Part(2), "state", lambda seen: seen[:, 2:4]),
+            (
+                GYM_STATE,
+                Part(4, angle=True),
+                "state",
+                lambda seen: seen[:, 4:] * np.array([[50.0, 20.0]]),
+            ),
+            (
+                {**corner, "agent": "last"},
+                Part(12),
+                "environment_state_agent_pos",
+                lambda seen: seen["environment_state"][:, 12:14],
+            ),
+            (
+                {**corner, "agent": "first"},
+                Part(2),
+                "environment_state_agent_pos",
+                lambda seen: seen["environment_state"][:, 0:2],
+            ),
+            (
+                {**corner, "agent": "last"},
+                Part(16),
+                "environment_state_agent_pos",
+                lambda seen: seen["agent_pos"] + 0.0,
+            ),
+        )
+        for number, (interface, module, obs_type, point) in enumerate(cases):
+            with self.subTest((interface, module.first)):
+                numbers = 5 if interface is GYM_STATE else 18
+                inputs = (torch.ones(1, 1, numbers),)
+                file = f"part{number}.pt"
+                save(module, inputs, self.path(file), observations=1, actions=1, **interface)
+                self.compare(file, f"file{number}", "--no-floor")
+
+                def callable_(seen: Any) -> Any:
+                    return np.float32(np.floor(point(seen) / 4.0 + 0.5) * 4.0)
+
+                found = sim2sim.compare(
+                    callable_,
+                    task="gym_pusht",
+                    reference="gym_pusht",
+                    episodes=2,
+                    horizon=20,
+                    floor=False,
+                    obs_type=obs_type,
+                    engine="chipmunk",
+                    out=self.path(f"callable{number}"),
+                )
+                self.assertEqual(len(found.episodes["episode"]), 2 * 3)
+                self.compare(file, f"again{number}", "--no-floor", "--engine", "chipmunk")
+                self.assertEqual(
+                    self.episodes(f"again{number}"), self.episodes(f"callable{number}")
+                )
+
+    def test_keypoints_of_diffusion_policy_lie_on_the_tee(self) -> None:
+        """All nine, whose mean distance from the tee's origin is known."""
+        class Mean(torch.nn.Module):
+            def forward(self, observations: torch.Tensor) -> torch.Tensor:
+                return observations[:, :, :18].reshape(-1, 1, 9, 2).mean(2)
+
+        inputs = (torch.ones(1, 1, 20),)
+        save(Mean(), inputs, self.path("mean.pt"), observations=1, actions=1, **DIFFUSION_POLICY)
+        policy = sim2sim.load_policy(self.path("mean.pt"), task="gym_pusht")
+        # A tee at (200, 100) that is not turned; the pusher elsewhere.
+        row = np.array([[10, 20, 200, 100, 0, 1, 256, 256, 0.7, 0.7]], np.float32)
+        x, y = policy(row)[0] - [200.0, 100.0]
+        self.assertAlmostEqual(float(x), 0.0686, places=3)
+        self.assertAlmostEqual(float(y), 40.2856, places=3)
+
+    def test_shapes_of_lerobot_and_diffusion_policy_run(self) -> None:
+        save_mlp(self.path("state.pt"), GYM_STATE, 5, past=1, chunk=1)
+        save_mlp(self.path("corners.pt"), LEROBOT, 18, past=2, chunk=16)
+        save_diffusion(self.path("lerobot.pt"), 18, (32, 64), LEROBOT)
+        save_diffusion(self.path("dp.pt"), 20, (32, 64, 128), DIFFUSION_POLICY)
+        save_act(self.path("act.pt"), chunk=20, width=32)
+        runs_on = {}
+        for name in ("state", "corners", "lerobot", "dp", "act"):
+            with self.subTest(name):
+                arguments = ("--engine", "chipmunk", "--no-floor")
+                provenance = self.compare(f"{name}.pt", name, *arguments)
+                runs_on[name] = provenance["policy"]["runs_on"]
+                description = provenance["policy"]["description"]
+                self.assertTrue(description["interface"].startswith("gym_"))
+        self.assertEqual(
+            [runs_on[name] for name in ("state", "corners")], ["fixed-order kernel"] * 2
+        )
+        self.assertEqual([runs_on[name] for name in ("lerobot", "dp", "act")], ["libtorch"] * 3)
+
+    def test_onnx_has_the_bits_or_names_the_operators(self) -> None:
+        save_mlp(self.path("corners.pt"), LEROBOT, 18, past=2, chunk=16)
+        process = self.run_command(EXPORT, "corners.pt", "corners.onnx")
+        self.assertEqual(process.returncode, 0, process.stderr)
+        for kind in ("pt", "onnx"):
+            self.compare(f"corners.{kind}", kind, "--engine", "chipmunk", "--no-floor")
+        self.assertEqual(self.episodes("onnx"), self.episodes("pt"))
+        save_diffusion(self.path("unet.pt"), 18, (32, 64), LEROBOT)
+        process = self.run_command(EXPORT, "unet.pt", "unet.onnx")
+        self.assertEqual(process.returncode, 3, process.stdout)
+        self.assertIn("Conv", process.stderr)
+        self.assertEqual(process.stderr.count("\n"), 1, process.stderr)
+
+    def test_other_interfaces_are_refused_by_name(self) -> None:
+        save_mlp(self.path("state.pt"), GYM_STATE, 5, past=1, chunk=1)
+        save_mlp(self.path("wrong.pt"), DIFFUSION_POLICY, 18, past=2, chunk=16)
+        save_mlp(self.path("none.pt"), {"interface": "gym"}, 5, past=1, chunk=1)
+        save_mlp(self.path("bare.pt"), {"interface": "gym_keypoints"}, 18, past=1, chunk=1)
+        save_mlp(self.path("more.pt"), {**GYM_STATE, "agent": "last"}, 5, past=1, chunk=1)
+        of_gym = ("--task", "gym_pusht", "--reference", "gym_pusht", "--engine", "chipmunk")
+        for policy, arguments, code, words in (
+            (
+                "state.pt",
+                (),
+                2,
+                "has the interface gym_state; must have one of the task full_circle",
+            ),
+            ("bc", of_gym, 2, "has the interface full_circle; must have one of the task gym_pusht"),
+            ("wrong.pt", of_gym, 3, "float [1, 2, 20]"),
+            ("none.pt", of_gym, 2, 'interface "gym": must be one of full_circle, gym_state'),
+            ("bare.pt", of_gym, 2, "must have the key keypoints"),
+            ("more.pt", of_gym, 2, "key agent must be left out with the interface gym_state"),
+        ):
+            with self.subTest(policy):
+                self.assertIn(words, self.refusal(policy, *arguments, code=code))
+
+    def test_an_image_policy_runs_in_other_physics(self) -> None:
+        torch.manual_seed(0)
+        results: List[bytes] = []
+        for run in ("one", "two"):
+            found = sim2sim.compare(
+                Seer(),
+                task="gym_pusht",
+                reference="gym_pusht",
+                engine="mujoco",
+                obs_type="pixels_agent_pos",
+                history=2,
+                episodes=2,
+                horizon=24,
+                floor=False,
+                out=self.path(run),
+            )
+            results.append(self.episodes(run))
+            torch.manual_seed(0)
+        self.assertEqual(results[0], results[1])
+        self.assertEqual(found.provenance["policy"]["sees"], "pixels_agent_pos 96 x 96")
+
+
+if __name__ == "__main__":
+    unittest.main()

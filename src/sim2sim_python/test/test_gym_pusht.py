@@ -1,0 +1,344 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""gym-pusht's environment: its arrays to the last bit, on its own physics and on other engines."""
+
+import json
+import subprocess
+import sys
+import unittest
+import warnings
+from pathlib import Path
+from typing import Any, Dict, List, Tuple
+
+import numpy as np
+import sim2sim
+from numpy.testing import assert_array_equal
+from sim2sim.gym_pusht import PushTEnv, Sight
+
+try:
+    import gymnasium  # type: ignore[import]
+    import gymnasium.vector  # type: ignore[import]
+
+    needs_gymnasium = unittest.skipIf(False, "")
+except ImportError:
+    needs_gymnasium = unittest.skip("Gymnasium cannot be imported here")
+try:
+    import cv2  # type: ignore[import]
+    import pygame  # type: ignore[import]
+
+    DRAWS_AS_RECORDED = pygame.version.ver == "2.1.2" and cv2.__version__.startswith("4.6.")
+    needs_pictures = unittest.skipIf(False, "")
+except ImportError:
+    DRAWS_AS_RECORDED = False
+    needs_pictures = unittest.skip("pygame or OpenCV cannot be imported here")
+
+DATA = Path(__file__).resolve().parents[2] / "pusht_testing" / "data"
+OBS_TYPES = ("state", "environment_state_agent_pos", "pixels", "pixels_agent_pos")
+TURN = 2.0 * np.pi
+
+
+def golden(name: str) -> Dict[str, Any]:
+    """What gym-pusht 0.1.5 has recorded."""
+    return dict(json.loads((DATA / name).read_text()))
+
+
+def assert_same(one: Any, other: Any) -> None:
+    """Equal arrays, or dicts of equal arrays, with equal types."""
+    if isinstance(one, dict):
+        assert set(one) == set(other), (set(one), set(other))
+        for name, array in one.items():
+            assert_same(array, other[name])
+    else:
+        assert_array_equal(one, other)
+        assert np.asarray(one).dtype == np.asarray(other).dtype
+
+
+class AsRecorded(unittest.TestCase):
+    def test_every_control_step_of_the_recorded_episodes(self) -> None:
+        recorded = golden("gym_pusht.json")
+        names = recorded["columns"]
+        env = sim2sim.make("gym_pusht", obs_type="environment_state_agent_pos")
+        steps = 0
+        for episode in recorded["episodes"]:
+            env.reset(seed=episode["seed"])
+            for numbers in episode["rows"]:
+                row = dict(zip(names, numbers))
+                action = np.array([row["action_x"], row["action_y"]])
+                observation, reward, terminated, truncated, info = env.step(action)
+                assert_array_equal(info["pos_agent"], [row["agent_x"], row["agent_y"]])
+                assert_array_equal(info["vel_agent"], [row["agent_vx"], row["agent_vy"]])
+                pose = [row["block_x"], row["block_y"], row["block_angle"]]
+                assert_array_equal(info["block_pose"], pose)
+                assert_array_equal(observation["agent_pos"], info["pos_agent"])
+                self.assertAlmostEqual(info["coverage"], row["coverage"], delta=1e-9)
+                self.assertAlmostEqual(reward, row["reward"], delta=1e-9)
+                self.assertEqual(terminated, row["coverage"] > 0.95)
+                self.assertFalse(truncated)
+                steps += 1
+            assert_array_equal(observation["environment_state"], episode["keypoints_at_end"])
+        self.assertEqual(steps, 960)
+
+    def test_resets_to_states_and_from_seeds(self) -> None:
+        recorded = golden("gym_pusht_resets.json")
+        env = PushTEnv()
+        for reset in recorded["given"]:
+            observation, info = env.reset(options={"reset_to_state": reset["asked"]})
+            assert_array_equal(observation, reset["observed"])
+            self.assertEqual(info["is_success"], False)
+        for reset in recorded["seeds"]:
+            observation, info = env.reset(seed=reset["seed"])
+            self.assertEqual(observation.dtype, np.float64)
+            assert_array_equal(observation[:4], reset["observed"][:4])
+            self.assertEqual(info["block_pose"][2], reset["block_angle"])
+            self.assertEqual(observation[4], reset["block_angle"] % TURN)
+
+    @needs_pictures
+    @unittest.skipUnless(DRAWS_AS_RECORDED, "the bytes are those of pygame 2.1.2 and OpenCV 4.6")
+    def test_images(self) -> None:
+        with np.load(DATA / "gym_pusht_images.npz") as recorded:
+            states, images = recorded["states"], recorded["images"]
+        with_velocity = np.insert(states, [2, 2], 0.0, axis=1)
+        drawn = Sight("pixels").of(with_velocity)
+        assert_same(drawn, images)
+
+    def test_kinds_of_observations_agree(self) -> None:
+        envs = [PushTEnv(obs_type=obs_type) for obs_type in OBS_TYPES[:2]]
+        (state, info), (both, _) = (env.reset(seed=3) for env in envs)
+        for step in range(20):
+            action = [100.0 + 10.0 * step, 250.0]
+            (state, _, _, _, info), (both, *_) = (env.step(action) for env in envs)
+        assert_array_equal(state[:2], both["agent_pos"])
+        first_corner = both["environment_state"][:2]
+        angle = info["block_pose"][2]
+        expected = state[2:4] + 60.0 * np.array([-np.cos(angle), -np.sin(angle)])
+        np.testing.assert_allclose(first_corner, expected, atol=1e-9)
+
+    def test_contacts_are_counted(self) -> None:
+        """One in a thousand points, rounded up, as gym-pusht divides them."""
+        env = PushTEnv()
+        _, info = env.reset(options={"reset_to_state": [100, 100, 300, 300, 0]})
+        self.assertEqual(info["n_contacts"], 0)
+        *_, info = env.step([300.0, 300.0])
+        self.assertEqual(info["n_contacts"], 0)
+        for _ in range(10):
+            *_, info = env.step([300.0, 300.0])
+        self.assertEqual(info["n_contacts"], 1)
+
+
+class Environment(unittest.TestCase):
+    def test_arguments_change_the_world(self) -> None:
+        def end(**arguments: Any) -> List[float]:
+            env = PushTEnv(**arguments)
+            env.reset(seed=1)
+            for step in range(30):
+                *_, info = env.step([222.0, 100.0 + 8.0 * step])
+            return list(info["block_pose"])
+
+        usual = end()
+        self.assertEqual(end(damping=0.0), usual)
+        for changed in ({"damping": 0.5}, {"block_cog": (0.0, 30.0)}, {"engine": "chipmunk"}):
+            self.assertNotEqual(end(**changed), usual, changed)
+
+    def test_other_engines_have_the_same_reset(self) -> None:
+        given = {"reset_to_state": [100.0, 120.0, 300.0, 280.0, 7.5]}
+        expected, _ = PushTEnv().reset(options=given)
+        for engine in ("mujoco", "rigid_body", "chipmunk", "box2d", "bullet"):
+            with self.subTest(engine):
+                env = sim2sim.make("gym_pusht", obs_type="state", engine=engine)
+                observation, info = env.reset(options=given)
+                np.testing.assert_allclose(observation, expected, atol=1e-4)
+                self.assertAlmostEqual(info["block_pose"][2], 7.5, places=6)
+                moved = [env.step([300.0, 300.0])[0] for _ in range(20)][-1]
+                self.assertGreater(float(np.abs(moved - observation)[2:].max()), 1.0)
+        by_kind = sim2sim.make("mujoco", obs_type="state", timestep=0.005)
+        self.assertEqual(by_kind.engine, "mujoco")
+
+    def test_a_reset_without_a_seed_follows_from_the_last_one(self) -> None:
+        def draws() -> List[List[float]]:
+            env = PushTEnv()
+            env.reset(seed=5)
+            return [list(env.reset()[0]) for _ in range(3)]
+
+        self.assertEqual(draws(), draws())
+        self.assertEqual(len({tuple(start) for start in draws()}), 3)
+
+    def test_made_by_name_it_ends_at_the_horizon(self) -> None:
+        env = sim2sim.make("gym_pusht", obs_type="state", horizon=3)
+        env.reset(seed=1)
+        self.assertEqual([env.step([256, 256])[3] for _ in range(3)], [False, False, True])
+
+    @needs_pictures
+    def test_pictures_have_the_sizes_that_were_asked_for(self) -> None:
+        sizes = {"observation_width": 64, "observation_height": 48}
+        env = PushTEnv(obs_type="pixels_agent_pos", **sizes, visualization_width=320)
+        observation, _ = env.reset(seed=1)
+        self.assertEqual(observation["pixels"].shape, (48, 64, 3))
+        self.assertEqual(env.render().shape, (680, 320, 3))
+
+    @needs_pictures
+    def test_a_picture_for_people_marks_the_action(self) -> None:
+        env = PushTEnv()
+        env.reset(seed=1)
+        row, column = (int(number / 512 * 680) for number in (100, 256))
+        self.assertNotEqual(list(env.render()[row, column]), [255, 0, 0])
+        env.step([256.0, 100.0])
+        self.assertEqual(list(env.render()[row, column]), [255, 0, 0])
+
+    def test_bad_input_is_named(self) -> None:
+        env = PushTEnv()
+        with self.assertRaisesRegex(sim2sim.InvalidInput, "no episode has begun"):
+            env.step([1.0, 1.0])
+        env.reset(seed=0)
+        for call, words in (
+            (lambda: PushTEnv(obs_type="keypoints"), "obs_type 'keypoints': must be one of state,"),
+            (lambda: PushTEnv(observation_width=0), "observation_width 0: must be from 1"),
+            (lambda: PushTEnv(render_mode="ansi"), "render_mode 'ansi': must be one of human,"),
+            (lambda: PushTEnv(damping=2.0), "damping 2.0: must be from 0 to 1"),
+            (lambda: PushTEnv(engine="box2d", damping=0.5), "damping: must be left out with"),
+            (lambda: PushTEnv(engine="two_mass"), "task gym_pusht: the kind two_mass holds only"),
+            (lambda: env.step([np.nan, 1.0]), r"action \[nan, 1.0\]: must be finite"),
+            (lambda: env.step([1.0]), r"action float64 of shape \(1,\): must be real numbers"),
+            (lambda: env.reset(seed=2**32), "seed 4294967296: must be from 0 to 4294967295"),
+            (lambda: env.reset(options={"state": 1}), "options .'state'.: unknown"),
+            (
+                lambda: env.reset(options={"reset_to_state": [1, 2]}),
+                r"reset_to_state int64 of shape \(2,\)",
+            ),
+            (
+                lambda: sim2sim.make("mujoco", obs_type="state", task="full_circle"),
+                "task full_circle: must be gym_pusht",
+            ),
+        ):
+            with self.subTest(words), self.assertRaisesRegex(sim2sim.InvalidInput, words):
+                call()
+        env.step([1e6, 1e6])  # as far as it goes
+        with self.assertRaises(sim2sim.SimulationFault):
+            env.step([1e300, 0.0])
+
+    def test_images_without_pygame_are_refused(self) -> None:
+        program = (
+            "import sys; sys.modules['pygame'] = None\n"
+            "import sim2sim\n"
+            "sim2sim.make('gym_pusht', obs_type='state').reset(seed=0)\n"
+            "try:\n    sim2sim.make('gym_pusht', obs_type='pixels')\n"
+            "except sim2sim.BadDependency as error:\n    print(error)\n"
+        )
+        said = subprocess.run(
+            [sys.executable, "-c", program], stdout=subprocess.PIPE, text=True, check=True
+        ).stdout
+        self.assertIn("need pygame and OpenCV (Debian's python3-pygame and python3-opencv)", said)
+        self.assertEqual(said.count("\n"), 1)
+
+
+class Compared(unittest.TestCase):
+    """compare() hands a callable what the environment shows."""
+
+    OPTIONS: Dict[str, Any] = {
+        "task": "gym_pusht",
+        "reference": "gym_pusht",
+        "engine": "none",
+        "episodes": 1,
+        "horizon": 12,
+        "floor": False,
+        "threads": 1,
+    }
+
+    def seen(self, obs_type: str, history: Any = None) -> List[Any]:
+        """What a callable that goes to one place is shown, after it has been tried out."""
+        shown: List[Any] = []
+
+        def to_a_place(observation: Any) -> Any:
+            shown.append(observation)
+            rows = observation if isinstance(observation, np.ndarray) else observation["agent_pos"]
+            return np.full((len(rows), 2), 230.0, np.float32)
+
+        sim2sim.compare(to_a_place, obs_type=obs_type, history=history, **self.OPTIONS)
+        return shown[-12:]
+
+    def test_the_same_as_the_environment(self) -> None:
+        for obs_type in OBS_TYPES if DRAWS_AS_RECORDED else OBS_TYPES[:2]:
+            with self.subTest(obs_type):
+                env = PushTEnv(obs_type=obs_type)
+                expected, _ = env.reset(seed=100000)
+                for found in self.seen(obs_type):
+                    for name, array in found.items() if isinstance(found, dict) else [("", found)]:
+                        there = expected[name] if name else expected
+                        self.assertEqual(array.dtype, there.dtype)
+                        # A start passes through the table's frame.
+                        np.testing.assert_allclose(array[0], there, atol=1e-9)
+                    expected, *_ = env.step([230.0, 230.0])
+
+    def test_the_past_is_the_second_axis(self) -> None:
+        plain = [both["agent_pos"][0] for both in self.seen("environment_state_agent_pos")]
+        for step, both in enumerate(self.seen("environment_state_agent_pos", history=3)):
+            self.assertEqual(both["environment_state"].shape, (1, 3, 16))
+            past = [plain[max(step - 2 + i, 0)] for i in range(3)]
+            assert_array_equal(both["agent_pos"][0], past)
+
+    def test_refused(self) -> None:
+        for arguments, words in (
+            ({"policy": "expert"}, "obs_type state: must be left out unless the policy is a call"),
+            (
+                {"policy": len, "task": "full_circle"},
+                "obs_type state: must be left out in the task",
+            ),
+        ):
+            options = {**self.OPTIONS, **arguments}
+            with self.subTest(words), self.assertRaisesRegex(sim2sim.InvalidInput, words):
+                sim2sim.compare(obs_type="state", **options)
+
+
+@needs_gymnasium
+class WithGymnasium(unittest.TestCase):
+    NAMES = ("sim2sim/GymPushT-v0", "gym_pusht/PushT-v0")
+
+    def test_the_checker_passes(self) -> None:
+        from gymnasium.utils.env_checker import check_env  # type: ignore[import]
+
+        for obs_type in OBS_TYPES if DRAWS_AS_RECORDED else OBS_TYPES[:2]:
+            for name in self.NAMES:
+                with self.subTest((name, obs_type)), warnings.catch_warnings(record=True) as caught:
+                    warnings.simplefilter("always")
+                    env = gymnasium.make(name, obs_type=obs_type, disable_env_checker=True)
+                    check_env(env.unwrapped)
+                    said = {str(warning.message) for warning in caught}
+                    self.assertTrue(all("symmetric and normalized" in w for w in said), said)
+
+    def test_wrappers_and_the_end_of_an_episode(self) -> None:
+        from gymnasium.wrappers import RecordEpisodeStatistics  # type: ignore[import]
+
+        env = RecordEpisodeStatistics(gymnasium.make(self.NAMES[0]))
+        env.reset(seed=1)
+        ends = [env.step(np.array([10.0, 10.0]))[3:] for _ in range(300)]
+        self.assertEqual([end[0] for end in ends], [False] * 299 + [True])
+        self.assertEqual(ends[-1][1]["episode"]["l"], 300)
+
+    def test_the_same_bits_one_by_one_in_vectors_and_in_a_batch(self) -> None:
+        vectors: Tuple[Any, ...] = (
+            gymnasium.make_vec(self.NAMES[0], 3, vectorization_mode="sync"),
+            gymnasium.make_vec(self.NAMES[0], 3),
+            sim2sim.make_vec("gym_pusht", 3, obs_type="state"),
+        )
+        singles = [PushTEnv() for _ in range(3)]
+        starts = [vector.reset(seed=7)[0] for vector in vectors]
+        starts.append(np.array([env.reset(seed=7 + i)[0] for i, env in enumerate(singles)]))
+        random = np.random.default_rng(0)
+        for start in starts[1:]:
+            assert_same(start, starts[0])
+        for step in range(320):  # beyond an end
+            actions = random.uniform(0, 512, (3, 2)).astype(np.float32)
+            results = [vector.step(actions) for vector in vectors]
+            for other in results[1:]:
+                for one, same in zip(results[0][:4], other[:4]):
+                    assert_same(same, one)
+            if step < 299:
+                rows = np.array([env.step(a)[0] for env, a in zip(singles, actions)])
+                assert_same(rows, results[0][0])
+        self.assertEqual(
+            vectors[1].observation_space,
+            gymnasium.vector.utils.batch_space(singles[0].observation_space, 3),
+        )
+
+
+if __name__ == "__main__":
+    unittest.main()

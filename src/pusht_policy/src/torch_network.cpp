@@ -30,6 +30,7 @@ torch::jit::Module loadModule(const std::string& bytes, const std::string& name)
     std::istringstream stream(bytes);
     torch::jit::Module module = torch::jit::load(stream, torch::kCPU);
     module.eval();
+    restoreTracedNumbers(module);
     return module;
   } catch (const std::exception& error) {
     throw InvalidInput(name + ": must be TorchScript: " + firstLine(error));

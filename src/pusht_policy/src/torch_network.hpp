@@ -68,6 +68,11 @@ class TorchNetwork final : public Network {
 /// the end of a short record, and may crash on a bad pickle: rehearse().
 void requireWholeTensors(const std::string& bytes, const Records& records, const std::string& name);
 
+/// Makes the constants of no dimension that arithmetic takes numbers again, which they were before a module was traced.
+/// As tensors they would make a double of a tensor of integers, as in an embedding of time. libtorch does the same when
+/// it optimizes a graph.
+void restoreTracedNumbers(const torch::jit::Module& module);
+
 /// Operations of a graph whose first input is the module and whose others are float32 of these shapes for one rollout:
 /// the kernel's row has their numbers side by side. With a state the result is (actions, state), and the row has both.
 /// Throws UnfitForKernel, naming all operations that the kernel cannot run.

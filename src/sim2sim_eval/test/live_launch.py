@@ -18,6 +18,7 @@ import rospkg  # type: ignore[import]
 import rospy  # type: ignore[import]
 from pusht_testing.long_tests import LONG
 
+from gym_policies import LEROBOT, save_mlp
 from launch_support import (
     LAUNCHES,
     Launch,
@@ -98,18 +99,20 @@ class Runs(LiveCase):
         self.assertEqual(result_bytes(run.out), self.batch_bytes(*wanted))
 
     def test_a_task_goes_over_nodes_and_back(self) -> None:
-        """gym-pusht's, a third one in a file, and the course's again, in the same nodes."""
+        """gym-pusht's, with a policy on its keypoints; a third one in a file; and the course's."""
         shutil.copy(LAUNCHES.parent / "config" / "big_tee.json", self.folder)
+        of_gym = str(self.folder / "corners.pt")
+        save_mlp(of_gym, LEROBOT, 18, past=2, chunk=16)
         tasks = {
-            "gym_pusht": ("gym_pusht", "mujoco"),
-            "big_tee.json": ("mujoco", "rigid_body"),
-            "full_circle": ("mujoco", "rigid_body"),
+            "gym_pusht": (of_gym, "gym_pusht", "mujoco"),
+            "big_tee.json": ("expert", "mujoco", "rigid_body"),
+            "full_circle": ("expert", "mujoco", "rigid_body"),
         }
-        for task, (reference, engine) in tasks.items():
+        for task, (policy, reference, engine) in tasks.items():
             with self.subTest(task):
                 run = Start(
                     self,
-                    policy="expert",
+                    policy=policy,
                     episodes=2,
                     horizon=60,
                     reanchor="5",
@@ -121,7 +124,7 @@ class Runs(LiveCase):
                 )
                 self.assertEqual(run.ended(), 0, run.output)
                 self.assert_recomputed(run.out)
-                words = f"--policy expert --episodes 2 --horizon 60 --reanchor=5 --task {task}"
+                words = f"--policy {policy} --episodes 2 --horizon 60 --reanchor=5 --task {task}"
                 kinds = f"--reference {reference} --engine {engine}"
                 kinds += " --model-variants=timestep=0.005" * (reference == "mujoco")
                 self.assertEqual(

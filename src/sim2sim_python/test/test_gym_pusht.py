@@ -129,9 +129,9 @@ class Environment(unittest.TestCase):
     def test_arguments_change_the_world(self) -> None:
         def end(**arguments: Any) -> List[float]:
             env = PushTEnv(**arguments)
-            env.reset(seed=1)
-            for step in range(30):
-                *_, info = env.step([222.0, 100.0 + 8.0 * step])
+            _, info = env.reset(seed=1)
+            for _ in range(30):
+                *_, info = env.step(info["block_pose"][:2] + [40.0, 20.0])
             return list(info["block_pose"])
 
         usual = end()

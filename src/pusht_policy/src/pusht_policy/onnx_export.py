@@ -33,6 +33,8 @@ SUFFIX = ".onnx"  # by which the suite knows such a file
 MARK = b"\x12\x07pytorch"  # the producer, at the beginning of a file that torch exported
 DESCRIPTION = "policy.json"  # extra file of a checkpoint with a history, chunks, a state or noise
 OBSERVATION = 10
+GYM_STATE = 5
+ARITHMETIC = ("aten::add", "aten::sub", "aten::mul", "aten::div")
 ACTION = 2
 
 
@@ -75,6 +77,7 @@ def load(path: Path) -> Tuple[torch.jit.ScriptModule, str]:
         raise Error(f"{path}: must be TorchScript: {_first_line(error)}") from None
     description = extra[DESCRIPTION]
     description = description.decode() if isinstance(description, bytes) else description
+    _restore_numbers(module)
     if description:
         return module, description
     try:
@@ -87,6 +90,21 @@ def load(path: Path) -> Tuple[torch.jit.ScriptModule, str]:
         found = list(action.shape) if isinstance(action, torch.Tensor) else type(action).__name__
         raise Error(f"{path}: must map [1, 10] to [1, 2], not to {found}", ExitCode.BAD_DEPENDENCY)
     return module, ""
+
+
+def _restore_numbers(module: torch.jit.ScriptModule) -> None:
+    """Makes numbers of the constants of no dimension that arithmetic takes, as the suite does where
+    it loads a module (traced_numbers.cpp): tracing has made tensors of them, of which a tensor of
+    integers becomes double."""
+    parts = [getattr(part, "_c") for part in module.modules()]
+    methods = [part._get_method(name) for part in parts for name in part._method_names()]
+    for graph in (method.graph for method in methods):
+        for node in graph.nodes():
+            constant = list(node.inputs())[1].toIValue() if node.kind() in ARITHMETIC else None
+            if isinstance(constant, torch.Tensor) and constant.dim() == 0:
+                number = graph.insertConstant(constant.item())
+                number.node().moveBefore(node)
+                node.replaceInput(1, number)
 
 
 def onnx_bytes(
@@ -124,13 +142,21 @@ def require_runs(content: bytes, name: str) -> None:
         raise Error(f"{name}: as {reason.value.decode()}", ExitCode(code))
 
 
+def _numbers_of(description: Dict[str, Any]) -> int:
+    """How many numbers a policy of this description sees."""
+    interface = description.get("interface")
+    if interface == "gym_keypoints":
+        return 2 * (int(description["keypoints"]) + 1)
+    return GYM_STATE if interface == "gym_state" else OBSERVATION
+
+
 def _signature(description: str, name: str) -> Tuple[List[str], List[str], List[torch.Tensor]]:
     """Names of inputs and outputs, and inputs of one rollout."""
     if not description:
         return ["observation"], ["action"], [torch.zeros(1, OBSERVATION)]
     try:
         fields = json.loads(description)
-        inputs = {"observations": [fields["observations"], OBSERVATION]}
+        inputs = {"observations": [fields["observations"], _numbers_of(fields)]}
         inputs.update({key: fields[key]["shape"] for key in ("state", "noise") if key in fields})
         arguments = [torch.zeros(1, *shape) for shape in inputs.values()]
     except (ValueError, KeyError, TypeError, RuntimeError) as error:

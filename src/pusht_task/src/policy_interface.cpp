@@ -98,3 +98,20 @@ std::vector<std::string> policyInterfacesOf(const Task& task) {
 }
 
 }  // namespace pusht
+
+/// What a policy of gym-pusht sees of observations [rows][10], for programs in Python: fills `seen`, and returns how
+/// many numbers a row has. `keypoints`: 0 for the interface gym_state.
+extern "C" int seenOfGymPusht(int keypoints, int agent_first, const float* observations, std::size_t rows,
+                              float* seen) {
+  using pusht::PolicyInterface;
+  const PolicyInterface interface = {
+      keypoints == 0 ? PolicyInterface::Name::kGymState : PolicyInterface::Name::kGymKeypoints, keypoints,
+      agent_first != 0};
+  const auto numbers = static_cast<std::size_t>(interface.numbers());
+  for (std::size_t row = 0; row < rows; ++row) {
+    pusht::Observation observation{};
+    std::copy_n(observations + row * observation.size(), observation.size(), observation.begin());
+    interface.look(observation, {seen + row * numbers, numbers});
+  }
+  return interface.numbers();
+}

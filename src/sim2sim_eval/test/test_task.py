@@ -233,8 +233,7 @@ grid: {inertia: [true, false], kinematic: [true, false]}
         levels = ", ".join(f"'mujoco:contact_friction={value}'" for value in (0.8, 0.5, 0.2))
         engines = f"engine: ['rigid_body:contact_friction=0.5', {levels}]"
         (self.folder / "plan.yaml").write_text(
-            f"{{task: gym_pusht, policy: expert, episodes: 20, "
-            f"floor: false, {engines}}}"
+            f"{{task: gym_pusht, policy: expert, episodes: 20, " f"floor: false, {engines}}}"
         )
         self.succeeds(SWEEP, "plan.yaml", "--out", "sweep")
         self.succeeds(EQUIVALENT, "sweep")

@@ -10,6 +10,7 @@ import torch
 from torch import Tensor
 
 from pusht_policy.demonstrations import Demonstration
+from pusht_policy.interface import Interface
 from pusht_policy.recipe import Recipe
 from pusht_task.error import Error
 
@@ -65,12 +66,12 @@ class Examples:
         return Examples(self.inputs[indices], self.targets[indices], self.lengths[indices])
 
 
-def frames_of(demonstrations: Sequence[Demonstration]) -> Frames:
-    """Frames of all demonstrations, one after the other."""
+def frames_of(demonstrations: Sequence[Demonstration], interface: Interface) -> Frames:
+    """Frames of all demonstrations, one after the other, as a policy of the interface sees them."""
     lengths = torch.tensor([len(d.actions) for d in demonstrations])
     last = lengths.cumsum(0) - 1
     return Frames(
-        torch.from_numpy(np.concatenate([d.observations for d in demonstrations])),
+        torch.from_numpy(interface.seen(np.concatenate([d.observations for d in demonstrations]))),
         torch.from_numpy(np.concatenate([d.actions for d in demonstrations])),
         (last - lengths + 1).repeat_interleave(lengths),
         last.repeat_interleave(lengths),

@@ -1,18 +1,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The networks that look back, remember, answer with chunks or draw noise, and the names of all."""
 
-from typing import Any, Callable, Dict, Mapping, Sequence, Tuple
+from typing import Any, Callable, Dict, Mapping, Tuple
 
 import torch
 from torch import Tensor, nn
 
 from pusht_policy.formats import DESCRIPTION_FORMAT
 from pusht_policy.frames import Examples, Frames, pieces, windows
+from pusht_policy.interface import INTERFACES
 from pusht_policy.model import Model, Policy, Ranges, normalised, perceptron, sizes_of
+from pusht_policy.recipe import Recipe
 
-OBSERVATIONS = 2  # a chunk follows from so many, the newest last
-ACTIONS = 8  # of a chunk
-EXECUTE = 1  # of them is executed before the next chunk, unless a run says otherwise
 PIECE = 48  # control steps of a demonstration through which a gradient goes back
 EULER_STEPS = 8  # from noise to a chunk
 # Loss whose best constant answer is a median, which is nearly one of the expert's actions. A mean,
@@ -36,11 +35,11 @@ class Described(Model):
 class Recurrent(Described):
     """Observation [n, 1, 10] and state [n, units] to action [n, 1, 2] and the next state."""
 
-    def __init__(self, hidden: Sequence[int], ranges: Ranges) -> None:
+    def __init__(self, recipe: Recipe, ranges: Ranges) -> None:
         super().__init__(ranges)
-        self.gru = nn.GRU(ranges.obs_min.numel(), hidden[0], batch_first=True)
+        self.gru = nn.GRU(ranges.obs_min.numel(), recipe.hidden[0], batch_first=True)
         self.gru.__constants__ = []
-        self.net = perceptron([*hidden, ranges.act_min.numel()])
+        self.net = perceptron([*recipe.hidden, ranges.act_min.numel()])
 
     def forward(self, observations: Tensor, state: Tensor) -> Tuple[Tensor, Tensor]:
         y, state = self.gru(self.inputs_of(observations), state.unsqueeze(0))
@@ -64,24 +63,35 @@ class Recurrent(Described):
 
 
 class Chunked(Described):
-    """A network that answers two observations with eight actions."""
+    """A network that answers some observations with some actions."""
+
+    __jit_ignored_attributes__ = ["sizes", "interface"]
+
+    def __init__(self, recipe: Recipe, ranges: Ranges) -> None:
+        super().__init__(ranges)
+        self.sizes = (1, 1, 1) if recipe.model == "mlp" else recipe.chunk
+        self.interface = recipe.interface
 
     def description(self) -> Dict[str, Any]:
-        sizes = {"observations": OBSERVATIONS, "actions": ACTIONS, "execute": EXECUTE}
-        return {**super().description(), **sizes}
+        sizes = dict(zip(("observations", "actions", "execute"), self.sizes))
+        fields = INTERFACES[self.interface].fields(self.interface)
+        return {**super().description(), **fields, **sizes}
 
     def examples(self, frames: Frames) -> Examples:
-        return windows(self.normalized(frames), OBSERVATIONS, ACTIONS)
+        return windows(self.normalized(frames), *self.sizes[:2])
 
 
 class Chunk(Chunked):
-    """Observations [n, 2, 10] to actions [n, 8, 2]."""
+    """Observations [n, H, 10] to actions [n, K, 2]."""
 
-    def __init__(self, hidden: Sequence[int], ranges: Ranges) -> None:
-        super().__init__(ranges)
-        inputs, outputs = OBSERVATIONS * ranges.obs_min.numel(), ACTIONS * ranges.act_min.numel()
-        self.net = perceptron([inputs, *hidden, outputs])
-        self.actions = ACTIONS
+    def __init__(self, recipe: Recipe, ranges: Ranges) -> None:
+        super().__init__(recipe, ranges)
+        observations, self.actions, _ = self.sizes
+        inputs, outputs = (
+            observations * ranges.obs_min.numel(),
+            self.actions * ranges.act_min.numel(),
+        )
+        self.net = perceptron([inputs, *recipe.hidden, outputs])
 
     def forward(self, observations: Tensor) -> Tensor:
         y = self.net(self.inputs_of(observations).flatten(1))
@@ -96,17 +106,18 @@ class Chunk(Chunked):
 
 
 class Flow(Chunked):
-    """Observations [n, 2, 10] and normal noise [n, 8, 2] to actions [n, 8, 2], by flow matching:
+    """Observations [n, H, 10] and normal noise [n, K, 2] to actions [n, K, 2], by flow matching:
     the network gives the velocity that carries noise, at time 0, along a straight line to actions,
     at time 1, and Euler's steps follow it.
 
     Source: Y. Lipman et al., "Flow Matching for Generative Modeling" (2023).
     """
 
-    def __init__(self, hidden: Sequence[int], ranges: Ranges) -> None:
-        super().__init__(ranges)
-        inputs, outputs = OBSERVATIONS * ranges.obs_min.numel(), ACTIONS * ranges.act_min.numel()
-        self.net = perceptron([inputs + outputs + 1, *hidden, outputs])
+    def __init__(self, recipe: Recipe, ranges: Ranges) -> None:
+        super().__init__(recipe, ranges)
+        observations, actions, _ = self.sizes
+        inputs, outputs = observations * ranges.obs_min.numel(), actions * ranges.act_min.numel()
+        self.net = perceptron([inputs + outputs + 1, *recipe.hidden, outputs])
         self.steps = EULER_STEPS
 
     def forward(self, observations: Tensor, noise: Tensor) -> Tensor:
@@ -125,7 +136,7 @@ class Flow(Chunked):
         }
 
     def description(self) -> Dict[str, Any]:
-        noise = {"shape": [ACTIONS, 2], "distribution": "normal"}
+        noise = {"shape": [self.sizes[1], 2], "distribution": "normal"}
         return {**super().description(), "noise": noise}
 
     def loss(self, examples: Examples, generator: torch.Generator) -> Tensor:
@@ -137,8 +148,14 @@ class Flow(Chunked):
         return nn.functional.mse_loss(velocity, actions - noise)
 
 
-MODELS: Mapping[str, Callable[[Sequence[int], Ranges], Model]] = {
-    "mlp": Policy,
+def plain(recipe: Recipe, ranges: Ranges) -> Model:
+    """A network of one observation and one action; of another interface, with a description."""
+    is_usual = recipe.interface == "full_circle"
+    return Policy(recipe.hidden, ranges) if is_usual else Chunk(recipe, ranges)
+
+
+MODELS: Mapping[str, Callable[[Recipe, Ranges], Model]] = {
+    "mlp": plain,
     "gru": Recurrent,
     "chunk": Chunk,
     "flow": Flow,

@@ -6,6 +6,8 @@ from typing import Tuple
 
 from pusht_task.error import Error, clipped
 
+INTERFACES = ("full_circle", "gym_state", "gym_keypoints")
+MOST_STEPS = 1000  # observations and actions of a chunk
 MODELS = ("mlp", "gru", "chunk", "flow")  # models.py has what they are
 MOST = {"epochs": 1_000_000, "batch": 1_000_000, "threads": 1024}  # slips of the hand are more
 MOST_HIDDEN = 10_000  # units of a layer: weights of 400 MB between two
@@ -24,6 +26,9 @@ class Recipe:
     hidden: Tuple[int, int] = (512, 512)  # units
     validation_fraction: float = 0.1  # share of the demonstrations
     model: str = MODELS[0]
+    interface: str = INTERFACES[0]  # what the policy sees (interface.py)
+    chunk: Tuple[int, int, int] = (2, 8, 1)  # of the models chunk and flow: observations, actions,
+    # and how many of them are executed before the next chunk, unless a run says otherwise
 
     def check(self) -> None:
         """Raises Error for the first value that breaks its rule."""
@@ -42,3 +47,12 @@ class Recipe:
             raise Error(f"seed is {self.seed}; it must be in [0, 2^63)")
         if self.model not in MODELS:
             raise Error(f"model is {self.model}; it must be one of {', '.join(MODELS)}")
+        if self.interface not in INTERFACES:
+            known = ", ".join(INTERFACES)
+            raise Error(f"interface is {self.interface}; it must be one of {known}")
+        if self.interface != INTERFACES[0] and self.model == "gru":
+            raise Error(f"model is gru; with the interface {self.interface} it must be another")
+        observations, actions, execute = self.chunk
+        if not (1 <= observations <= MOST_STEPS and 1 <= execute <= actions <= MOST_STEPS):
+            rule = f"observations, actions and executed ones must be 1 to {MOST_STEPS}, E <= K"
+            raise Error(f"chunk is {clipped(str(list(self.chunk)), 80)}; {rule}")

@@ -12,6 +12,7 @@ import torch
 from pusht_policy.demonstrations import Demonstration, sha256_of_frames
 from pusht_policy.formats import STATE_FORMAT
 from pusht_policy.frames import Examples, frames_of, split
+from pusht_policy.interface import INTERFACES
 from pusht_policy.model import ranges_of
 from pusht_policy.models import MODELS
 from pusht_policy.progress import Progress
@@ -22,6 +23,7 @@ from pusht_task.error import Error, ExitCode
 from pusht_task.files import read_file, write_file
 
 STATE_INTERVAL = 10  # epochs between two saved states
+NEWER = ("interface", "chunk")  # of a recipe: left out where they have their defaults
 HISTORY_INTERVAL = 50  # epochs between two entries of the validation loss history
 
 
@@ -33,12 +35,13 @@ class Trainer:
         self.identity = _identity(recipe, demonstrations)
         self.generator = torch.Generator().manual_seed(recipe.seed)
         train_part, validation_part = split(demonstrations, recipe, self.generator)
-        frames = frames_of(train_part)
+        interface = INTERFACES[recipe.interface]
+        frames = frames_of(train_part, interface)
         torch.manual_seed(recipe.seed)
-        self.model = MODELS[recipe.model](recipe.hidden, ranges_of(frames))
+        self.model = MODELS[recipe.model](recipe, ranges_of(frames))
         self.script = torch.jit.script(self.model)  # shares the weights; reads model.py only now
         self.train_examples = self.model.examples(frames)
-        self.validation_examples = self.model.examples(frames_of(validation_part))
+        self.validation_examples = self.model.examples(frames_of(validation_part, interface))
         self.optimizer = torch.optim.Adam(self.model.parameters(), lr=recipe.learning_rate)
         self.scheduler = torch.optim.lr_scheduler.CosineAnnealingLR(
             self.optimizer, T_max=recipe.epochs
@@ -130,6 +133,7 @@ class Trainer:
             "threads": self.recipe.threads,
             "flush_denormal": True,
             "validation_fraction": self.recipe.validation_fraction,
+            **{name: _named(self.recipe)[name] for name in NEWER if name in _named(self.recipe)},
         }
 
     def provenance(self) -> Dict[str, Any]:
@@ -174,12 +178,22 @@ class Trainer:
             return float(self.model.loss(examples, torch.Generator().manual_seed(self.recipe.seed)))
 
 
+def _named(recipe: Recipe) -> Dict[str, Any]:
+    """The recipe; without what an earlier version did not know, unless it is set."""
+    usual = asdict(Recipe())
+    return {
+        name: list(value) if name == "chunk" else value
+        for name, value in asdict(recipe).items()
+        if name not in NEWER or value != usual[name]
+    }
+
+
 def _identity(recipe: Recipe, demonstrations: Sequence[Demonstration]) -> Dict[str, Any]:
     """Values that must agree for a state to be resumed with the same bits."""
     versions = software()
     return {
         "format": STATE_FORMAT,
-        **asdict(recipe),
+        **_named(recipe),
         "frames": sha256_of_frames(demonstrations),
         **{name: versions[name] for name in ("torch", "blas", "blas_core", "vectors")},
     }

@@ -22,6 +22,7 @@ from pusht_policy.checkpoint import (
     sha256_of,
 )
 from pusht_policy.demonstrations import read_demonstrations, read_origin
+from pusht_policy.interface import require_task
 from pusht_policy.model import torchscript_bytes
 from pusht_policy.recipe import Recipe
 from pusht_policy.software import set_up_torch, software
@@ -83,6 +84,8 @@ def train(bags: Sequence[Path], targets: Targets, state_dir: Path, recipe: Recip
         successes = sum(d.success for d in demonstrations)
         say(f"{len(demonstrations)} demonstrations, {successes} solved, {frames} frames")
         origins = [read_origin(bag) for bag in bags]
+        for bag, origin in zip(bags, origins):
+            require_task(bag, recipe.interface, (origin or {}).get("task", "full_circle"))
         set_up_torch(recipe)
         trainer = Trainer(demonstrations, recipe)
         trainer.resume(state_dir / "state.pt")

@@ -20,13 +20,25 @@ from pusht_policy.checkpoint import provenance_path
 from pusht_policy.demonstrations import Demonstration
 from pusht_policy.frames import Examples, Frames, frames_of, pieces, windows
 from pusht_policy.model import DESCRIPTION, Model, Policy, ranges_of
-from pusht_policy.models import ACTIONS, MODELS, OBSERVATIONS
-from pusht_policy.recipe import MODELS as NAMES
+from pusht_policy.models import MODELS
+from pusht_policy.recipe import MODELS as NAMES, Recipe
 from pusht_testing.long_tests import LONG
+from std_msgs.msg import String  # type: ignore[import]
 
-from test_training import DEADLINE, SMALL, CommandCase, TrainerCase, demonstration, never, weights
+from test_training import (
+    DEADLINE,
+    SMALL,
+    CommandCase,
+    TrainerCase,
+    demonstration,
+    messages,
+    never,
+    weights,
+    write_bag,
+)
 
 DESCRIBED = ("gru", "chunk", "flow")
+OBSERVATIONS, ACTIONS, _ = Recipe().chunk
 
 
 def numbered(*lengths: int) -> Frames:
@@ -43,7 +55,7 @@ def numbered(*lengths: int) -> Frames:
 def made(name: str, frames: Frames) -> Model:
     """An untrained network."""
     torch.manual_seed(5)
-    return MODELS[name]((8, 6), ranges_of(frames)).eval()
+    return MODELS[name](Recipe(hidden=(8, 6), model=name), ranges_of(frames)).eval()
 
 
 class Cutting(unittest.TestCase):
@@ -148,9 +160,8 @@ class Networks(unittest.TestCase):
 class Training(TrainerCase):
     def test_a_chunk_of_one_has_the_bits_of_the_plain_network(self) -> None:
         plain = weights(self.finished())
-        one = mock.patch.multiple(models, OBSERVATIONS=1, ACTIONS=1)
-        with one, mock.patch.object(models.Chunk, "loss", Policy.loss):
-            chunk = self.finished(dataclasses.replace(SMALL, model="chunk"))
+        with mock.patch.object(models.Chunk, "loss", Policy.loss):
+            chunk = self.finished(dataclasses.replace(SMALL, model="chunk", chunk=(1, 1, 1)))
         self.assertEqual(weights(chunk), plain)
 
     def test_a_recurrent_one_remembers(self) -> None:
@@ -240,6 +251,37 @@ class Checkpoints(CommandCase):
                 self.assertEqual(
                     (training["train_frames"], training["validation_frames"]), (144, 12)
                 )
+
+    def test_policies_of_gym_pusht_say_what_they_see(self) -> None:
+        origin = String(data=json.dumps({"format": 2, "task": "gym_pusht"}))
+        steps = [message for seed in range(13) for message in messages(demonstration(seed))]
+        self.bag.unlink()
+        write_bag(self.bag, [origin, *steps])
+        for name, interface, chunk, numbers, sizes in (
+            ("mlp", "gym_state", (), 5, (1, 1, 1)),
+            ("chunk", "gym_keypoints", ("2", "16", "8"), 18, (2, 16, 8)),
+            ("flow", "gym_keypoints", ("2", "4", "2"), 18, (2, 4, 2)),
+        ):
+            with self.subTest(name):
+                more = ("--chunk", *chunk) if chunk else ()
+                self.train(name, "--overwrite", "--interface", interface, *more)
+                network, description = self.loaded()
+                found = [description[key] for key in ("observations", "actions", "execute")]
+                self.assertEqual((description["interface"], tuple(found)), (interface, sizes))
+                inputs = [torch.zeros(3, sizes[0], numbers)]
+                if name == "flow":
+                    inputs.append(torch.zeros(3, sizes[1], 2))
+                self.assertEqual(network(*inputs).shape, (3, sizes[1], 2))
+                recipe = json.loads(provenance_path(self.out).read_text())["training"]
+                self.assertEqual(recipe["interface"], interface)
+                self.train(name, "--keep", "--interface", interface, *more)
+        self.out.unlink()
+        provenance_path(self.out).unlink()
+        self.assert_refused(
+            self.run_command(self.command()),
+            2,
+            "is of the task gym_pusht; interface full_circle must be gym_state or gym_keypoints",
+        )
 
     def test_the_plain_one_has_no_description(self) -> None:
         self.train("mlp")

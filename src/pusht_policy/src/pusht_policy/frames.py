@@ -10,7 +10,7 @@ import torch
 from torch import Tensor
 
 from pusht_policy.demonstrations import Demonstration
-from pusht_policy.interface import Interface
+from pusht_policy.interface import INTERFACES, Interface
 from pusht_policy.recipe import Recipe
 from pusht_task.error import Error
 
@@ -66,7 +66,9 @@ class Examples:
         return Examples(self.inputs[indices], self.targets[indices], self.lengths[indices])
 
 
-def frames_of(demonstrations: Sequence[Demonstration], interface: Interface) -> Frames:
+def frames_of(
+    demonstrations: Sequence[Demonstration], interface: Interface = INTERFACES["full_circle"]
+) -> Frames:
     """Frames of all demonstrations, one after the other, as a policy of the interface sees them."""
     lengths = torch.tensor([len(d.actions) for d in demonstrations])
     last = lengths.cumsum(0) - 1

@@ -10,10 +10,12 @@
 #include <system_error>
 
 #include "network_choice.hpp"
+#include "pusht_policy/planning_expert.hpp"
 #include "pusht_policy/scripted_expert.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/library.hpp"
 #include "rehearsal.hpp"
+#include "sim2sim_serving/simulator_kinds.hpp"
 
 namespace pusht {
 namespace {
@@ -49,6 +51,19 @@ const OnnxPolicies& onnxPolicies() {
   static const auto& policies =
       loadPolicies<OnnxPolicies>(kOnnxPolicyLibrary, Library::Scope::kLocal, kOnnxPoliciesSymbol);
   return policies;
+}
+
+/// Planning expert of a task. It plans in gym-pusht's world where that holds the task, else in one that is built from
+/// the task's numbers. Throws BadDependency if that kind is not built.
+ChosenPolicy planner(const Task& task) {
+  const SimulatorKind& kind = SimulatorKinds::installed().named(&task == &gymPusht() ? "gym_pusht" : "rigid_body");
+  const SimulatorModel model = kind.load(kind.defaults(task), task);
+  return {[make = model.make_world] { return std::make_unique<PlanningExpert>(make()); },
+          kPlannerPolicy,
+          {{"planner", kind.name}},
+          {{"runs_on", "planned in " + kind.title}},
+          kind.libraries,
+          ""};
 }
 
 /// Policy of a file: ONNX by its name, else TorchScript.
@@ -92,6 +107,10 @@ ChosenPolicy withinMemory(const std::string& what, const std::function<bool()>& 
 
 }  // namespace
 
+bool isWithoutFile(const std::string& policy) {
+  return policy == kExpertPolicy || policy == kPlannerPolicy || policy == kUntrainedPolicy;
+}
+
 ChosenPolicy choosePolicy(const PolicyChoice& choice, const fs::path& shipped, const std::function<bool()>& stop) {
   const Task& task = choice.task;
   if (choice.policy == kExpertPolicy) {
@@ -102,8 +121,11 @@ ChosenPolicy choosePolicy(const PolicyChoice& choice, const fs::path& shipped, c
             {},
             ""};
   }
+  if (choice.policy == kPlannerPolicy) {
+    return planner(task);
+  }
   if (&task != &fullCircle()) {
-    throw InvalidInput("policy " + choice.policy + ": must be " + kExpertPolicy +
+    throw InvalidInput("policy " + choice.policy + ": must be " + kExpertPolicy + ", " + kPlannerPolicy +
                        ", or a callable in Python, in the task " + task.name + ": files hold policies of " +
                        fullCircle().name);
   }

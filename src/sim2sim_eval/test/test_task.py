@@ -300,7 +300,7 @@ grid: {inertia: [true, false], kinematic: [true, false]}
             ),
             (
                 ("--task", "gym_pusht", "--reference", "gym_pusht", "--engine", "chipmunk"),
-                "policy bc: must be expert, or a callable in Python, in the task",
+                "policy bc: must be expert, planner, or a callable in Python, in the task",
             ),
             ((*usual, "--loop", "tracker"), "must be left out in the task gym_pusht"),
             ((*usual, "--seed", str(2**32)), "must be below 2^32"),

@@ -10,11 +10,13 @@
 #include <system_error>
 
 #include "network_choice.hpp"
+#include "pusht_policy/planning_expert.hpp"
 #include "pusht_policy/scripted_expert.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/joined.hpp"
 #include "pusht_task/library.hpp"
 #include "rehearsal.hpp"
+#include "sim2sim_serving/simulator_kinds.hpp"
 
 namespace pusht {
 namespace {
@@ -50,6 +52,19 @@ const OnnxPolicies& onnxPolicies() {
   static const auto& policies =
       loadPolicies<OnnxPolicies>(kOnnxPolicyLibrary, Library::Scope::kLocal, kOnnxPoliciesSymbol);
   return policies;
+}
+
+/// Planning expert of a task. It plans in gym-pusht's world where that holds the task, else in one that is built from
+/// the task's numbers. Throws BadDependency if that kind is not built.
+ChosenPolicy planner(const Task& task) {
+  const SimulatorKind& kind = SimulatorKinds::installed().named(&task == &gymPusht() ? "gym_pusht" : "rigid_body");
+  const SimulatorModel model = kind.load(kind.defaults(task), task);
+  return {[make = model.make_world] { return std::make_unique<PlanningExpert>(make()); },
+          kPlannerPolicy,
+          {{"planner", kind.name}},
+          {{"runs_on", "planned in " + kind.title}},
+          kind.libraries,
+          ""};
 }
 
 /// Policy of a file: ONNX by its name, else TorchScript.
@@ -117,6 +132,10 @@ ChosenPolicy chooseNetwork(const PolicyChoice& choice, const fs::path& shipped, 
 
 }  // namespace
 
+bool isWithoutFile(const std::string& policy) {
+  return policy == kExpertPolicy || policy == kPlannerPolicy || policy == kUntrainedPolicy;
+}
+
 ChosenPolicy choosePolicy(const PolicyChoice& choice, const fs::path& shipped, const std::function<bool()>& stop) {
   const Task& task = choice.task;
   if (choice.policy == kExpertPolicy) {
@@ -127,11 +146,14 @@ ChosenPolicy choosePolicy(const PolicyChoice& choice, const fs::path& shipped, c
             {},
             ""};
   }
+  if (choice.policy == kPlannerPolicy) {
+    return planner(task);
+  }
   ChosenPolicy chosen = chooseNetwork(choice, shipped, stop);
   if (!chosen.interface.fits(task)) {
     throw InvalidInput("policy " + choice.policy + ": has the interface " + chosen.interface.text() +
                        "; must have one of the task " + task.name + ": " + joined(policyInterfacesOf(task)) +
-                       "; or be " + kExpertPolicy);
+                       "; or be " + kExpertPolicy + " or " + kPlannerPolicy);
   }
   return chosen;
 }

@@ -47,7 +47,7 @@ from live_support import (
 
 LAUNCHES = Path(rospkg.RosPack().get_path("sim2sim_eval")) / "launch"
 ROLES = ("reference", "engine")
-WORDS = {"bc", "expert", "fresh-untrained"}  # policies that are no files
+WORDS = {"bc", "expert", "planner", "fresh-untrained"}  # policies that are no files
 
 
 class Node(NamedTuple):

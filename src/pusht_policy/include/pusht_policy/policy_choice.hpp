@@ -22,7 +22,11 @@ constexpr const char* kShippedCheckpoint = "policies/bc_policy.ts.pt";
 /// End of the name of a file that is read as ONNX; any other is TorchScript.
 constexpr const char* kOnnxExtension = ".onnx";
 constexpr const char* kExpertPolicy = "expert";
+constexpr const char* kPlannerPolicy = "planner";
 constexpr const char* kUntrainedPolicy = "fresh-untrained";
+
+/// Whether a policy of that name is in no file.
+bool isWithoutFile(const std::string& policy);
 
 /// Parameters that choose a policy: the file or name, and what may replace a missing file.
 struct PolicyChoice {
@@ -47,7 +51,8 @@ struct ChosenPolicy {
 /// Loads the policy of `choice`. `shipped` is the checkpoint that "bc" names. If it is not there, an untrained policy
 /// runs, with a warning, unless `choice` requires it: the course's guard. A named file must be there. Throws
 /// InvalidInput for a policy whose interface does not fit the task; as NetworkPolicy::load(), which gets `stop`, or as
-/// OnnxPolicy::load(); BadDependency if the library that this takes, of networks or of ONNX, is not beside this one.
+/// OnnxPolicy::load(); BadDependency if the library that this takes, of networks or of ONNX, is not beside this one, or
+/// if the kind in which "planner" plans is not built: gym_pusht in its task, rigid_body in any other.
 ChosenPolicy choosePolicy(
     const PolicyChoice& choice, const std::filesystem::path& shipped,
     const std::function<bool()>& stop = [] { return false; });

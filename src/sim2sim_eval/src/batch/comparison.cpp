@@ -160,7 +160,7 @@ void CompareOptions::declare(CLI::App& app) {
   app.add_option(
          "--policy", policy,
          "TorchScript file, or ONNX file NAME.onnx (observation[10] to action[2]), 'bc' for the shipped policy, "
-         "'expert', or 'fresh-untrained'")
+         "'expert', 'planner', or 'fresh-untrained'")
       ->capture_default_str();
   CLI::Option* const require =
       app.add_flag("--require-policy", require_policy,

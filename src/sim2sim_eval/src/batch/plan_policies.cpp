@@ -55,7 +55,7 @@ std::filesystem::path fileOf(const std::string& policy) {
 /// Bytes that tell policies apart, as their digest; of a name without a file, and of a file that cannot be read, the
 /// name.
 std::string identityOf(const std::string& policy) {
-  if (policy == pusht::kExpertPolicy || policy == pusht::kUntrainedPolicy) {
+  if (pusht::isWithoutFile(policy)) {
     return policy;
   }
   try {
@@ -115,7 +115,7 @@ ListEntry entryIn(const YAML::Node& node, const std::optional<SimulatorChoice>& 
 
 /// Reference that a `policy` has if its reference is its home. Throws InvalidInput, naming the policy, if it has none.
 SimulatorChoice homeOfPolicy(const std::string& policy) {
-  if (policy == pusht::kExpertPolicy || policy == pusht::kUntrainedPolicy) {
+  if (pusht::isWithoutFile(policy)) {
     throw pusht::InvalidInput("policy " + policy + ": has no home; name its reference");
   }
   const pusht::CheckpointHome home = pusht::homeOf(fileOf(policy));

@@ -87,7 +87,8 @@ PolicySignature signatureOf(const pusht::ChosenPolicy& policy) {
     signature.has_state = !description.value("state", json()).is_null();
     signature.is_stochastic = !description.value("noise", json()).is_null();
   }
-  signature.has_state = signature.has_state || policy.name == pusht::kExpertPolicy || policy.name == pusht::kPlannerPolicy;
+  signature.has_state =
+      signature.has_state || policy.name == pusht::kExpertPolicy || policy.name == pusht::kPlannerPolicy;
   return signature;
 }
 

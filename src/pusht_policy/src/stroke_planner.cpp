@@ -24,9 +24,9 @@ constexpr double kPriceOfBump = 0.5;       // of an approach that moves the tee,
 constexpr double kBumpDistance = 0.0002;   // [m] that a tee may move while the pusher goes to where a stroke begins
 
 // Strokes.
-constexpr double kRoom = 0.005;         // [m] between pusher and tee, on the way and where a stroke begins
-constexpr double kMostRoom = 0.04;      // [m] to go back for it
-constexpr double kRoomStep = 0.002;     // [m] of the search for it
+constexpr double kRoom = 0.005;      // [m] between pusher and tee, on the way and where a stroke begins
+constexpr double kRoomStep = 0.002;  // [m] to go back for it
+constexpr int kMostRoomSteps = 20;
 constexpr double kWallMargin = 0.001;   // [m] between pusher and walls
 constexpr double kPushStep = 0.02;      // [m] per control step, of the reference in a stroke
 constexpr double kMostTravel = 0.15;    // [m] of a probe
@@ -270,9 +270,8 @@ std::optional<StrokePlanner::Trial> StrokePlanner::trial(const WorldState& state
 std::optional<StrokePlanner::Line> StrokePlanner::lineOf(const WorldState& state, const Stroke& stroke) const {
   const OutlinePoint aim = outline_.at(stroke.share);
   const Vector2d direction = Eigen::Rotation2Dd(stroke.angle) * aim.inward;
-  const double least = task().physics.pusher_radius;
-  for (double back = least; back < least + kMostRoom; back += kRoomStep) {
-    const Vector2d begin = aim.point - back * direction;
+  for (int step = 0; step < kMostRoomSteps; ++step) {
+    const Vector2d begin = aim.point - (task().physics.pusher_radius + step * kRoomStep) * direction;
     if (outline_.gap(begin) >= kRoom) {
       const Eigen::Isometry2d tee = placementOfTee(state);
       const Line line = {tee * begin, tee.linear() * direction};
@@ -304,8 +303,8 @@ void StrokePlanner::approach(Plan& plan, const std::vector<Vector2d>& points, co
 }
 
 void StrokePlanner::push(Plan& plan, const Line& line, double travel) {
-  for (double done = kPushStep; done < travel; done += kPushStep) {
-    follow(plan, line.at(done));
+  for (int step = 1; step * kPushStep < travel; ++step) {
+    follow(plan, line.at(step * kPushStep));
   }
   for (int i = 0; i <= kFinalSteps; ++i) {
     follow(plan, line.at(travel));

@@ -29,9 +29,9 @@ constexpr int kMaxEpisodes = 1'000'000;
 /// World that takes each action with normal noise on it.
 class NoisyWorld final : public Simulator {
  public:
-  /// `seed` chooses the stream of the noise. `deviation` is that of each axis [m/s].
+  /// `seed` chooses the stream of the noise. `deviation` is that of each axis [unit of an action].
   NoisyWorld(Simulator& world, std::uint64_t seed, double deviation)
-      : Simulator("", world.startTolerance()),
+      : Simulator("", world.startTolerance(), world.task()),
         world_(world),
         generator_(seed, "action noise"),
         noise_(0.0, deviation) {}
@@ -74,6 +74,7 @@ Message stamped(std::uint64_t seed, const ros::Time& stamp) {
 }
 
 void write(BagFile& bag, Stamps& stamps, std::uint64_t seed, const DemonstrationWorld& world, const Rollout& rollout) {
+  const Task& task = world.world->task();
   auto beginning = stamped<pusht_msgs::DemonstrationWorld>(seed, stamps.next());
   beginning.simulator = world.simulator;
   for (const auto& [name, value] : world.drawn) {
@@ -84,7 +85,7 @@ void write(BagFile& bag, Stamps& stamps, std::uint64_t seed, const Demonstration
   for (std::size_t step = 0; step < trace.steps(); ++step) {
     auto message = stamped<pusht_msgs::DemonstrationStep>(seed, stamps.next());
     message.step = static_cast<std::uint32_t>(step);
-    const Observation observation = observe(trace.states[step]);
+    const Observation observation = observe(trace.states[step], task);
     std::copy(observation.begin(), observation.end(), message.observation.begin());
     std::copy(trace.actions[step].begin(), trace.actions[step].end(), message.action.begin());
     bag.write(kDemonstrationStepTopic, message.header.stamp, message);
@@ -96,11 +97,12 @@ void write(BagFile& bag, Stamps& stamps, std::uint64_t seed, const Demonstration
 }
 
 Rollout demonstrated(const DemonstrationWorld& world, std::uint64_t seed, double action_noise, Policy& demonstrator) {
+  const WorldState start = spawn(seed, world.world->task());
   if (action_noise == 0.0) {
-    return runClosedLoop(*world.world, spawn(seed), demonstrator, kHorizon);
+    return runClosedLoop(*world.world, start, demonstrator, kHorizon);
   }
   NoisyWorld noisy(*world.world, seed, action_noise);
-  return runClosedLoop(noisy, spawn(seed), demonstrator, kHorizon);
+  return runClosedLoop(noisy, start, demonstrator, kHorizon);
 }
 
 }  // namespace
@@ -109,12 +111,15 @@ void DemonstrationPlan::validate() const {
   if (episodes < 1 || episodes > kMaxEpisodes) {
     throw InvalidInput("episodes " + std::to_string(episodes) + ": must be from 1 to " + std::to_string(kMaxEpisodes));
   }
-  if (seed > std::numeric_limits<std::uint64_t>::max() - static_cast<std::uint64_t>(episodes)) {
-    throw InvalidInput("seed " + std::to_string(seed) + ": seed + episodes must be below 2^64");
+  const std::uint64_t last = task.get().last_spawn_seed;
+  if (seed > last || static_cast<std::uint64_t>(episodes) - 1 > last - seed) {
+    throw InvalidInput("seed " + std::to_string(seed) + ": seed + episodes - 1 must be at most " +
+                       std::to_string(last));
   }
-  if (!(action_noise >= 0.0 && action_noise <= kActionLimit)) {
+  const double most_noise = kActionLimit * actionPerSpeed(task);
+  if (!(action_noise >= 0.0 && action_noise <= most_noise)) {
     throw InvalidInput("action noise " + shortestText(action_noise) + ": must be from 0 to " +
-                       shortestText(kActionLimit) + " m/s");
+                       shortestText(most_noise) + (task.get().frame.isTables() ? " m/s" : " " + task.get().frame.unit));
   }
 }
 
@@ -127,7 +132,10 @@ DemonstrationTally recordDemonstrations(const DemonstrationPlan& plan, const Dem
   Stamps stamps;
   nlohmann::json beginning = origin;
   beginning["format"] = kDemonstrationFormat;
-  beginning["action_noise"] = plan.action_noise;  // [m/s]
+  beginning["action_noise"] = plan.action_noise;  // [unit of an action]
+  if (&plan.task.get() != &fullCircle()) {
+    beginning["task"] = textOf(plan.task);
+  }
   std_msgs::String text;
   text.data = beginning.dump();
   bag.write(kDemonstrationOriginTopic, stamps.next(), text);

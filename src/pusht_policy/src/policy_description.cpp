@@ -187,7 +187,7 @@ std::size_t numbersIn(const Shape& shape) {
 PolicyDescription descriptionFrom(const std::string& text, const std::string& where) {
   const json root = parseDescription(text, where);
   requireKeys(root,
-              {"format", "interface", "keypoints", "agent", "observations", "actions", "execute", "state", "noise"},
+              {"format", "observations", "actions", "execute", "state", "noise", "interface", "keypoints", "agent"},
               where);
   const json& format = valueOf(root, "format", where);
   if (format != kDescriptionFormat) {

@@ -13,6 +13,7 @@
 
 #include "pusht_task/policy.hpp"
 #include "pusht_task/simulator.hpp"
+#include "pusht_task/task.hpp"
 
 namespace pusht {
 
@@ -23,11 +24,12 @@ constexpr const char* kDemonstrationEndTopic = "/demonstration/end";        ///<
 
 /// Parameters of a recording of demonstrations.
 struct DemonstrationPlan {
+  std::reference_wrapper<const Task> task = fullCircle();
   std::uint64_t seed = 0;  ///< demonstration i starts from spawn seed + i
   int episodes = 500;
-  /// Standard deviation of the normal noise on each axis of the actions that the world takes [m/s]; the bag has the
-  /// demonstrator's own. So it shows how to recover. Source: M. Laskey et al., "DART: Noise Injection for Robust
-  /// Imitation Learning" (2017), there with a deviation that is fitted to the learner.
+  /// Standard deviation of the normal noise on each axis of the actions that the world takes [unit of an action]; the
+  /// bag has the demonstrator's own. So it shows how to recover. Source: M. Laskey et al., "DART: Noise Injection for
+  /// Robust Imitation Learning" (2017), there with a deviation that is fitted to the learner.
   double action_noise = 0.0;
 
   /// Throws InvalidInput with field, value and rule.

@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include "batch/demonstration_simulators.hpp"
-#include "pusht_policy/scripted_expert.hpp"
 #include "pusht_task/joined.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
 #include "sim2sim_eval/interruption.hpp"
@@ -19,7 +18,12 @@ namespace sim2sim {
 int demonstrateMain(int argc, char** argv) {
   DemonstrateOptions options;
   pusht::DemonstrationPlan& plan = options.plan;
-  CLI::App app("Records demonstrations of the scripted expert as a rosbag.", "demonstrate");
+  CLI::App app("Records demonstrations of an expert as a rosbag.", "demonstrate");
+  app.add_option("--task", options.task, "what is demonstrated: full_circle, gym_pusht, or a file NAME.json")
+      ->capture_default_str();
+  app.add_option("--demonstrator", options.demonstrator, "expert, the scripted one; or planner")
+      ->check(CLI::IsMember({pusht::kExpertPolicy, pusht::kPlannerPolicy}))
+      ->capture_default_str();
   app.add_option("--seed", plan.seed, "spawn seed of the first demonstration")->check(decimalInteger());
   app.add_option("--episodes", plan.episodes, "number of demonstrations")->check(decimalInteger());
   app.add_option("--simulator", options.simulators,
@@ -32,8 +36,8 @@ int demonstrateMain(int argc, char** argv) {
                  "is drawn for each demonstration; may be repeated")
       ->allow_extra_args(false);
   app.add_option("--action-noise", plan.action_noise,
-                 "standard deviation of the noise on each axis of the actions that the world takes [m/s]; the bag has "
-                 "the actions without it")
+                 "standard deviation of the noise on each axis of the actions that the world takes [m/s, or the task's "
+                 "unit]; the bag has the actions without it")
       ->check(decimalReal())
       ->capture_default_str();
   app.add_option("--out", options.out, "the bag to write")->check(notEmpty());
@@ -41,13 +45,19 @@ int demonstrateMain(int argc, char** argv) {
 }
 
 void demonstrate(const DemonstrateOptions& options) {
-  DemonstrationSimulators simulators(options.simulators, options.settings);
-  pusht::ScriptedExpert expert;
-  ProgressBar bar("demonstrations", options.plan.episodes);
-  const nlohmann::json origin = {
-      {"demonstrator", "scripted expert"}, {"simulators", simulators.description()}, {"software", buildAndMachine()}};
+  pusht::DemonstrationPlan plan = options.plan;
+  plan.task = pusht::taskNamed(options.task);
+  plan.validate();
+  DemonstrationSimulators simulators(options.simulators, options.settings, plan.task);
+  const std::unique_ptr<pusht::Policy> demonstrator =
+      pusht::choosePolicy({options.demonstrator, true, 0, false, plan.task}, {}).make();
+  const bool is_scripted = options.demonstrator == pusht::kExpertPolicy;
+  ProgressBar bar("demonstrations", plan.episodes);
+  const nlohmann::json origin = {{"demonstrator", is_scripted ? "scripted expert" : "planning expert"},
+                                 {"simulators", simulators.description()},
+                                 {"software", buildAndMachine()}};
   const pusht::DemonstrationTally tally = pusht::recordDemonstrations(
-      options.plan, [&](std::uint64_t seed) { return simulators.worldOf(seed); }, expert, origin, options.out,
+      plan, [&](std::uint64_t seed) { return simulators.worldOf(seed); }, *demonstrator, origin, options.out,
       [&](const auto& so_far) {
         bar.advance(std::to_string(so_far.successes) + " solved");
         return !interrupted();

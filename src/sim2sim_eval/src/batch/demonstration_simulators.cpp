@@ -80,7 +80,8 @@ std::string Draw::value(std::uint64_t seed, const pusht::SimulatorKind& kind) co
 }
 
 DemonstrationSimulators::DemonstrationSimulators(const std::vector<std::string>& simulators,
-                                                 const std::vector<std::string>& settings) {
+                                                 const std::vector<std::string>& settings, const pusht::Task& task)
+    : task_(&task) {
   if (simulators.empty()) {
     throw pusht::InvalidInput("simulators: must be one or more");
   }
@@ -101,8 +102,9 @@ DemonstrationSimulators::DemonstrationSimulators(const std::vector<std::string>&
         fixed.push_back(*part);
       }
     }
-    const SimulatorChoice choice = chooseSimulator(parts.front(), fixed);
+    SimulatorChoice choice = chooseSimulator(parts.front(), fixed);
     requireNoLoop(choice, "a demonstration");
+    setTask(task, {choice});
     Entry entry{textOf(choice), LoadedSimulator(choice), {}, nullptr};
     std::string whole = entry.name;
     for (const Setting& range : ranges) {
@@ -137,7 +139,7 @@ pusht::DemonstrationWorld DemonstrationSimulators::worldOf(std::uint64_t seed) {
       world.drawn.emplace_back(draw.parameter, draw.value(seed, kind));
       parameters.set(draw.parameter, world.drawn.back().second);
     }
-    world.world = kind.load(parameters).make_world();
+    world.world = kind.load(parameters, *task_).make_world();
   } catch (pusht::Error& error) {
     error.addContext("demonstration of seed " + std::to_string(seed));
     throw;

@@ -33,8 +33,9 @@ class DemonstrationSimulators {
   /// `simulators` are "KIND" or "KIND:NAME=VALUE:...", each once; a VALUE may be LEAST..GREATEST, to be drawn.
   /// `settings`, "NAME=VALUE", belong to the only simulator. Throws InvalidInput for a kind, a name or a value that
   /// does not exist, a parameter that is given twice, settings if there are several simulators, or a range of a
-  /// parameter that is no number; as SimulatorKind::load.
-  DemonstrationSimulators(const std::vector<std::string>& simulators, const std::vector<std::string>& settings);
+  /// parameter that is no number; as setTask() and SimulatorKind::load.
+  DemonstrationSimulators(const std::vector<std::string>& simulators, const std::vector<std::string>& settings,
+                          const pusht::Task& task = pusht::fullCircle());
 
   /// World of the demonstration from this spawn seed. Throws as SimulatorKind::load, naming the seed, for drawn values
   /// that exclude each other.
@@ -52,6 +53,7 @@ class DemonstrationSimulators {
     std::shared_ptr<pusht::Simulator> world;  // for all demonstrations, if nothing is drawn
   };
 
+  const pusht::Task* task_;
   std::vector<Entry> entries_;
 };
 

@@ -4,7 +4,7 @@ from setuptools import setup  # type: ignore[import]
 
 setup(
     **generate_distutils_setup(
-        packages=["sim2sim", "sim2sim.gym_pusht"],
+        packages=["sim2sim"],
         package_dir={"": "src"},
         package_data={"sim2sim": ["*.pyi", "py.typed"]},
     )

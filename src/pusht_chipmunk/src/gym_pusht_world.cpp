@@ -61,8 +61,8 @@ void keepVelocity(cpBody* body, cpVect gravity, cpFloat /*damping*/, cpFloat dt)
 class GymPushtWorld::Space {
  public:
   Space(const GymPushtQuirks& quirks, const gym_pusht::Variant& variant) : quirks_(quirks), space_(cpSpaceNew()) {
-    cpSpaceSetDamping(space_.get(),
-                      quirks.coasting ? variant.damping : std::exp(-sound().tee_damping / sound().tee_mass));
+    const double usual = quirks.coasting ? 0.0 : std::exp(-sound().tee_damping / sound().tee_mass);
+    cpSpaceSetDamping(space_.get(), variant.damping.value_or(usual));
     for (const auto& [begin, end] : kWalls) {
       add(cpSegmentShapeNew(cpSpaceGetStaticBody(space_.get()), begin, end, kWallRadius));
     }
@@ -182,6 +182,8 @@ void GymPushtWorld::restore(const State& state) {
   space_ = std::make_unique<Space>(quirks_, variant_);
   space_->place(state, false);
   space_->setVelocities(state);
+  const bool at_rest = state.pusher_velocity.isZero(0.0) && state.tee_velocity.isZero(0.0) && state.rate == 0.0;
+  contacts_ = at_rest && resets_.first_substep ? space_->substep() : 0;
 }
 
 void GymPushtWorld::step(const Eigen::Vector2d& target) {

@@ -57,7 +57,8 @@ class GymPushtWorld final : public gym_pusht::World {
 
   void reset(const gym_pusht::State& asked) override;
 
-  /// Puts the bodies where they are in `state`, and nothing else.
+  /// Puts the bodies where they are in `state`. A world at rest takes the substep of a reset, in which nothing moves,
+  /// but after which bodies that overlap are pushed apart.
   void restore(const gym_pusht::State& state);
 
   void step(const Eigen::Vector2d& target) override;

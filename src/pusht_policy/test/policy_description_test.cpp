@@ -115,11 +115,29 @@ TEST(PolicyDescriptions, AreRefusedByNameValueAndRule) {
       {with(noise + R"({"shape": [2], "distribution": 1})"), "noise: distribution 1: must be"},
       {with(noise + R"({"shape": [2], "distribution": "normal", "mean": 0})"), R"(noise: key "mean" is unknown)"},
       {with(noise + R"({"shape": [2], "shape": [3], "distribution": "normal"})"), R"(key "shape" is there twice)"},
+      {with(R"("interface": "gym")"), R"(interface "gym": must be one of full_circle, gym_state, gym_keypoints)"},
+      {with(R"("interface": "gym_keypoints")"), "must have the key keypoints"},
+      {with(R"("interface": "gym_keypoints", "keypoints": 10, "agent": "last")"), "keypoints 10: must be 8, the tee's"},
+      {with(R"("interface": "gym_keypoints", "keypoints": 8)"), "must have the key agent"},
+      {with(R"("interface": "gym_keypoints", "keypoints": 8, "agent": 0)"), "agent 0: must be one of first, last"},
+      {with(R"("interface": "gym_state", "agent": "last")"), "key agent must be left out with the interface gym_state"},
+      {with(R"("keypoints": 8)"), "key keypoints must be left out with the interface full_circle"},
   };
   for (const auto& [text, message] : cases) {
     EXPECT_THAT(refusalOf(text), HasSubstr(message)) << text.substr(0, 200);
     EXPECT_THAT(refusalOf(text), HasSubstr("policy x.pt: policy.json: ")) << text.substr(0, 200);
   }
+}
+
+TEST(PolicyDescriptions, SayWhatThePolicySees) {
+  const auto read = [](const std::string& more) { return descriptionFrom(with(more), "policy.json"); };
+  EXPECT_EQ(read(R"("interface": "full_circle")").interface, PolicyInterface());
+  EXPECT_FALSE(toJson(read(R"("interface": "full_circle")")).contains("interface")) << "as before there was one";
+  EXPECT_EQ(read(R"("interface": "gym_state")").inputs(), "float [1, 2, 5]");
+  const PolicyDescription keypoints = read(R"("interface": "gym_keypoints", "keypoints": 9, "agent": "first")");
+  EXPECT_EQ(keypoints.inputs(), "float [1, 2, 20]");
+  EXPECT_TRUE(keypoints.interface.agent_first);
+  EXPECT_EQ(descriptionFrom(toJson(keypoints).dump(), "again").interface, keypoints.interface);
 }
 
 TEST(PolicyDescriptions, AreTakenAtTheirLimits) {

@@ -22,6 +22,22 @@ gym_pusht::State stateOf(const Observation& observation) {
   return state;
 }
 
+/// Whether observations and actions are in gym-pusht's frame, and actions positions.
+bool isInPixels(const Task& task) {
+  const TaskFrame& frame = task.frame;
+  const TaskFrame& pixels = gymPusht().frame;
+  return task.physics.drive == Drive::kPosition && frame.unit == pixels.unit && frame.per_meter == pixels.per_meter &&
+         frame.middle == pixels.middle && frame.y_down == pixels.y_down && frame.bar_center == pixels.bar_center;
+}
+
+/// Whether the tee has the points that keypoints are.
+bool hasGymPushtsTee(const Physics& physics) {
+  const Physics& gyms = gymPusht().physics;
+  return physics.bar_half_length == gyms.bar_half_length && physics.bar_half_width == gyms.bar_half_width &&
+         physics.stem_half_length == gyms.stem_half_length && physics.stem_half_width == gyms.stem_half_width &&
+         physics.stem_offset == gyms.stem_offset;
+}
+
 template <class Points>
 Span<float>::iterator append(const Points& points, Span<float>::iterator place) {
   for (const Eigen::Vector2d& point : points) {
@@ -63,12 +79,10 @@ void PolicyInterface::look(const Observation& observation, Span<float> seen) con
 }
 
 bool PolicyInterface::fits(const Task& task) const {
-  const TaskFrame& frame = task.frame;
-  const TaskFrame& pixels = gymPusht().frame;
-  return name == Name::kFullCircle
-             ? frame.isTables()
-             : frame.unit == pixels.unit && frame.per_meter == pixels.per_meter && frame.middle == pixels.middle &&
-                   frame.y_down == pixels.y_down && frame.bar_center == pixels.bar_center;
+  if (name == Name::kFullCircle) {
+    return task.frame.isTables() && task.physics.drive == Drive::kVelocity;
+  }
+  return isInPixels(task) && (name == Name::kGymState || hasGymPushtsTee(task.physics));
 }
 
 std::string PolicyInterface::text() const {
@@ -100,10 +114,14 @@ std::vector<std::string> policyInterfacesOf(const Task& task) {
 }  // namespace pusht
 
 /// What a policy of gym-pusht sees of observations [rows][10], for programs in Python: fills `seen`, and returns how
-/// many numbers a row has. `keypoints`: 0 for the interface gym_state.
+/// many numbers a row has. `keypoints`: 0 for the interface gym_state, 8 or 9; for another number it returns 0.
 extern "C" int seenOfGymPusht(int keypoints, int agent_first, const float* observations, std::size_t rows,
                               float* seen) {
   using pusht::PolicyInterface;
+  constexpr int kCorners = pusht::gym_pusht::kCorners;
+  if (keypoints != 0 && keypoints != kCorners && keypoints != static_cast<int>(pusht::gym_pusht::kScattered)) {
+    return 0;
+  }
   const PolicyInterface interface = {
       keypoints == 0 ? PolicyInterface::Name::kGymState : PolicyInterface::Name::kGymKeypoints, keypoints,
       agent_first != 0};

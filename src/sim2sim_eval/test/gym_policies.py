@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Policies of gym-pusht in the shapes of LeRobot and Diffusion Policy, with random weights.
 
-Written from the papers: C. Chi et al., "Diffusion Policy" (2023), its one-dimensional U-Net; T. Zhao
-et al., "Learning Fine-Grained Bimanual Manipulation" (2023), ACT.
+Written from the papers: C. Chi et al., "Diffusion Policy" (2023), its one-dimensional U-Net;
+T. Zhao et al., "Learning Fine-Grained Bimanual Manipulation" (2023), ACT.
 """
 
 import json

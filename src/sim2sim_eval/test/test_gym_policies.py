@@ -22,9 +22,18 @@ from gym_policies import (
     save_mlp,
 )
 
+try:
+    from sim2sim import pictures
+
+    needs_pictures = unittest.skipIf(False, "")
+except sim2sim.BadDependency as missing:
+    needs_pictures = unittest.skip(str(missing))
+
 COMPARE = executable("sim2sim_eval", "compare")
 MATRIX = executable("sim2sim_eval", "matrix")
 SWEEP = executable("sim2sim_eval", "sweep")
+DEMONSTRATE = executable("sim2sim_eval", "demonstrate")
+TRAIN = executable("pusht_policy", "train")
 EXPORT = executable("pusht_policy", "export_onnx")
 GYM_STATE = {"interface": "gym_state"}
 SHORT = ("--task", "gym_pusht", "--reference", "gym_pusht", "--episodes", "2", "--horizon", "20")
@@ -121,7 +130,7 @@ class Interfaces(CommandCase):
                     self.episodes(f"again{number}"), self.episodes(f"callable{number}")
                 )
 
-    def test_keypoints_of_diffusion_policy_lie_on_the_tee(self) -> None:
+    def test_the_nine_keypoints_of_diffusion_policy(self) -> None:
         """All nine, whose mean distance from the tee's origin is known."""
 
         class Mean(torch.nn.Module):
@@ -211,6 +220,29 @@ class Interfaces(CommandCase):
         matrix = json.loads((self.folder / "sweep" / "matrix.json").read_text())
         self.assertEqual(len(matrix["policies"]), 2)
 
+    def test_from_demonstrations_to_a_policy(self) -> None:
+        """The planner shows gym-pusht's task; what was trained on its keypoints acts there."""
+        demonstrate = (DEMONSTRATE, "--task", "gym_pusht", "--simulator", "gym_pusht")
+        planner = ("--demonstrator", "planner", "--episodes", "3", "--action-noise", "5")
+        train = (TRAIN, "--bag", "shown.bag", "--model", "flow", "--interface", "gym_keypoints")
+        sizes = ("--chunk", "2", "6", "3", "--epochs", "2", "--hidden", "16", "16")
+        for command in (
+            (*demonstrate, *planner, "--out", "shown.bag"),
+            (*train, *sizes, "--out", "trained.pt"),
+        ):
+            process = self.run_command(*command)
+            self.assertEqual(process.returncode, 0, process.stderr)
+        provenance = self.compare("trained.pt", "trained", "--engine", "mujoco", "--no-floor")
+        self.assertEqual(provenance["policy"]["runs_on"], "fixed-order kernel")
+        beside = json.loads((self.folder / "trained.pt.provenance.json").read_text())
+        (origin,) = [bag["origin"] for bag in beside["demonstrations"]["bags"]]
+        self.assertEqual((origin["task"], origin["demonstrator"]), ("gym_pusht", "planning expert"))
+        self.assertEqual(origin["simulators"][0]["name"], "gym_pusht")
+        process = self.run_command(*demonstrate, "--action-noise", "201", "--out", "none.bag")
+        self.assertEqual(process.returncode, 2)
+        self.assertIn("action noise 201.0: must be from 0 to 200.0 px", process.stderr)
+
+    @needs_pictures
     def test_an_image_policy_runs_in_other_physics(self) -> None:
         torch.manual_seed(0)
         results: List[bytes] = []
@@ -230,7 +262,13 @@ class Interfaces(CommandCase):
             results.append(self.episodes(run))
             torch.manual_seed(0)
         self.assertEqual(results[0], results[1])
-        self.assertEqual(found.provenance["policy"]["sees"], "pixels_agent_pos 96 x 96")
+        self.assertEqual(
+            found.provenance["policy"]["sees"], f"pixels_agent_pos 96 x 96, {pictures.VERSIONS}"
+        )
+        seconds = found.seconds
+        self.assertEqual(set(seconds), {"all", "observations", "policy"})
+        self.assertGreater(min(seconds["observations"], seconds["policy"]), 0.0)
+        self.assertLess(seconds["observations"] + seconds["policy"], seconds["all"])
 
 
 if __name__ == "__main__":

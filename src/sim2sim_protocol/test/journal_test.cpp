@@ -34,7 +34,7 @@ TEST(Journal, KeepsWhatEpisodesCsvHasNot) {
   EXPECT_EQ(kept.rollouts[kReferenceClosed].success, true);
 }
 
-/// Whoever looks while it loads, or after it was killed there, sees what was kept.
+/// A run that goes on has finished episodes from its first status on, also if it is killed while it loads.
 TEST(RunFolder, SaysFromTheFirstMomentHowManyEpisodesAreKept) {
   const pusht::testing::TemporaryFolder folder;
   const std::filesystem::path path = folder.path() / "out";

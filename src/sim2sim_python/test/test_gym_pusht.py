@@ -8,7 +8,7 @@ import sys
 import unittest
 import warnings
 from pathlib import Path
-from typing import Any, Dict, List, Tuple
+from typing import Any, Callable, Dict, List, Tuple
 
 import numpy as np
 import sim2sim
@@ -139,6 +139,20 @@ class Environment(unittest.TestCase):
         for changed in ({"damping": 0.5}, {"block_cog": (0.0, 30.0)}, {"engine": "chipmunk"}):
             self.assertNotEqual(end(**changed), usual, changed)
 
+    def test_damping_is_the_share_that_is_left_after_a_second(self) -> None:
+        """Of a tee that was hit and coasts: from step to step its way shrinks by damping^0.1."""
+        for damping in (0.2, 0.5):
+            env = PushTEnv(damping=damping)
+            env.reset(options={"reset_to_state": [256, 100, 256, 200, 0]})
+            ways = []
+            before = np.zeros(2)
+            for step in range(12):
+                *_, info = env.step([256.0, 185.0 if step < 5 else 100.0])
+                ways.append(info["block_pose"][1] - before[1])
+                before = info["block_pose"]
+            ratios = np.array(ways[9:]) / np.array(ways[8:-1])
+            np.testing.assert_allclose(ratios, damping**0.1, rtol=1e-6)
+
     def test_other_engines_have_the_same_reset(self) -> None:
         given = {"reset_to_state": [100.0, 120.0, 300.0, 280.0, 7.5]}
         expected, _ = PushTEnv().reset(options=given)
@@ -169,11 +183,20 @@ class Environment(unittest.TestCase):
 
     @needs_pictures
     def test_pictures_have_the_sizes_that_were_asked_for(self) -> None:
-        sizes = {"observation_width": 64, "observation_height": 48}
+        sizes: Dict[str, Any] = {"observation_width": 64, "observation_height": 48}
         env = PushTEnv(obs_type="pixels_agent_pos", **sizes, visualization_width=320)
         observation, _ = env.reset(seed=1)
         self.assertEqual(observation["pixels"].shape, (48, 64, 3))
         self.assertEqual(env.render().shape, (680, 320, 3))
+
+    @needs_pictures
+    def test_an_image_of_the_past_is_the_one_that_was_drawn(self) -> None:
+        states = np.random.default_rng(1).uniform(50, 450, (5, 7))
+        sight = Sight("pixels")
+        alone = [Sight("pixels").of(state[np.newaxis])[0] for state in states]
+        for step in range(4):
+            past = sight.with_past(states[np.newaxis, [max(step - 1, 0), step]])
+            assert_array_equal(past[0], [alone[max(step - 1, 0)], alone[step]])
 
     @needs_pictures
     def test_a_picture_for_people_marks_the_action(self) -> None:
@@ -185,11 +208,12 @@ class Environment(unittest.TestCase):
         self.assertEqual(list(env.render()[row, column]), [255, 0, 0])
 
     def test_bad_input_is_named(self) -> None:
+        no_seed: Any = "a"
         env = PushTEnv()
         with self.assertRaisesRegex(sim2sim.InvalidInput, "no episode has begun"):
             env.step([1.0, 1.0])
         env.reset(seed=0)
-        for call, words in (
+        cases: Tuple[Tuple[Callable[[], Any], str], ...] = (
             (lambda: PushTEnv(obs_type="keypoints"), "obs_type 'keypoints': must be one of state,"),
             (lambda: PushTEnv(observation_width=0), "observation_width 0: must be from 1"),
             (lambda: PushTEnv(render_mode="ansi"), "render_mode 'ansi': must be one of human,"),
@@ -199,6 +223,23 @@ class Environment(unittest.TestCase):
             (lambda: env.step([np.nan, 1.0]), r"action \[nan, 1.0\]: must be finite"),
             (lambda: env.step([1.0]), r"action float64 of shape \(1,\): must be real numbers"),
             (lambda: env.reset(seed=2**32), "seed 4294967296: must be from 0 to 4294967295"),
+            (
+                lambda: env.reset(options={"reset_to_state": [1e300, 1, 1, 1, 0]}),
+                "reset_to_state: pusher_x 1e.297 m: must be within",
+            ),
+            (lambda: PushTEnv(block_cog=(0.0, 1e9)), "block_cog 0.0, 1000000000.0: must be within"),
+            (
+                lambda: sim2sim.make_vec("gym_pusht", 2, obs_type="state").reset(seed=no_seed),
+                "seed 'a': must be an integer",
+            ),
+            (
+                lambda: sim2sim.make("mujoco", obs_type="state", engine="box2d"),
+                "engine box2d: must be left out with the kind mujoco",
+            ),
+            (
+                lambda: sim2sim.make("mujoco", obs_type="state", max_episode_steps=5),
+                "max_episode_steps: must be given as horizon",
+            ),
             (lambda: env.reset(options={"state": 1}), "options .'state'.: unknown"),
             (
                 lambda: env.reset(options={"reset_to_state": [1, 2]}),
@@ -208,7 +249,8 @@ class Environment(unittest.TestCase):
                 lambda: sim2sim.make("mujoco", obs_type="state", task="full_circle"),
                 "task full_circle: must be gym_pusht",
             ),
-        ):
+        )
+        for call, words in cases:
             with self.subTest(words), self.assertRaisesRegex(sim2sim.InvalidInput, words):
                 call()
         env.step([1e6, 1e6])  # as far as it goes
@@ -255,6 +297,15 @@ class Compared(unittest.TestCase):
         sim2sim.compare(to_a_place, obs_type=obs_type, history=history, **self.OPTIONS)
         return shown[-12:]
 
+    def test_overlapping_bodies_are_pushed_apart_as_by_a_reset(self) -> None:
+        """Seed 100039, whose tee lies under the pusher."""
+        env = PushTEnv()
+        env.reset(seed=100039)
+        expected = [env.step([230.0, 230.0])[0] for _ in range(11)]
+        self.OPTIONS = {**self.OPTIONS, "first_episode": 39}
+        for found, there in zip(self.seen("state")[1:], expected):
+            np.testing.assert_allclose(found[0], there, atol=1e-6)
+
     def test_the_same_as_the_environment(self) -> None:
         for obs_type in OBS_TYPES if DRAWS_AS_RECORDED else OBS_TYPES[:2]:
             with self.subTest(obs_type):
@@ -279,13 +330,18 @@ class Compared(unittest.TestCase):
         for arguments, words in (
             ({"policy": "expert"}, "obs_type state: must be left out unless the policy is a call"),
             (
+                {"policy": len, "observation_width": 64, "obs_type": None},
+                "observation_width: must be left out without an obs_type",
+            ),
+            (
                 {"policy": len, "task": "full_circle"},
                 "obs_type state: must be left out in the task",
             ),
         ):
-            options = {**self.OPTIONS, **arguments}
+            options: Dict[str, Any] = {"obs_type": "state", **self.OPTIONS}
+            options.update(arguments)
             with self.subTest(words), self.assertRaisesRegex(sim2sim.InvalidInput, words):
-                sim2sim.compare(obs_type="state", **options)
+                sim2sim.compare(**options)
 
 
 @needs_gymnasium

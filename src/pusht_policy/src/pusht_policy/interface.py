@@ -49,6 +49,12 @@ INTERFACES: Mapping[str, Interface] = {
 }
 
 
+def numbers_of(description: Mapping[str, Any]) -> int:
+    """How many numbers a policy of this description sees."""
+    interface = INTERFACES[description.get("interface", "full_circle")]
+    return 2 * (int(description["keypoints"]) + 1) if interface.keypoints else interface.numbers
+
+
 def require_task(bag: object, name: str, task: str) -> None:
     """Raises Error unless demonstrations of this task show what the interface has."""
     if INTERFACES[name].task != task:

@@ -23,6 +23,7 @@ from pusht_policy.checkpoint import (
     read_provenance,
     sha256_of,
 )
+from pusht_policy.interface import numbers_of
 from pusht_task.command import require_folder_of, require_new_file
 from pusht_task.error import Error, ExitCode
 from pusht_task.files import read_file, write_file
@@ -33,7 +34,6 @@ SUFFIX = ".onnx"  # by which the suite knows such a file
 MARK = b"\x12\x07pytorch"  # the producer, at the beginning of a file that torch exported
 DESCRIPTION = "policy.json"  # extra file of a checkpoint with a history, chunks, a state or noise
 OBSERVATION = 10
-GYM_STATE = 5
 ARITHMETIC = ("aten::add", "aten::sub", "aten::mul", "aten::div")
 ACTION = 2
 
@@ -99,12 +99,19 @@ def _restore_numbers(module: torch.jit.ScriptModule) -> None:
     parts = [getattr(part, "_c") for part in module.modules()]
     methods = [part._get_method(name) for part in parts for name in part._method_names()]
     for graph in (method.graph for method in methods):
-        for node in graph.nodes():
-            constant = list(node.inputs())[1].toIValue() if node.kind() in ARITHMETIC else None
-            if isinstance(constant, torch.Tensor) and constant.dim() == 0:
-                number = graph.insertConstant(constant.item())
-                number.node().moveBefore(node)
-                node.replaceInput(1, number)
+        _restore_in(graph, graph)
+
+
+def _restore_in(graph: Any, block: Any) -> None:
+    for node in block.nodes():
+        for inner in node.blocks():
+            _restore_in(graph, inner)
+        is_arithmetic = node.kind() in ARITHMETIC and ".Tensor(" in node.schema()
+        constant = list(node.inputs())[1].toIValue() if is_arithmetic else None
+        if isinstance(constant, torch.Tensor) and constant.dim() == 0:
+            number = graph.insertConstant(constant.item())
+            number.node().moveBefore(node)
+            node.replaceInput(1, number)
 
 
 def onnx_bytes(
@@ -142,21 +149,13 @@ def require_runs(content: bytes, name: str) -> None:
         raise Error(f"{name}: as {reason.value.decode()}", ExitCode(code))
 
 
-def _numbers_of(description: Dict[str, Any]) -> int:
-    """How many numbers a policy of this description sees."""
-    interface = description.get("interface")
-    if interface == "gym_keypoints":
-        return 2 * (int(description["keypoints"]) + 1)
-    return GYM_STATE if interface == "gym_state" else OBSERVATION
-
-
 def _signature(description: str, name: str) -> Tuple[List[str], List[str], List[torch.Tensor]]:
     """Names of inputs and outputs, and inputs of one rollout."""
     if not description:
         return ["observation"], ["action"], [torch.zeros(1, OBSERVATION)]
     try:
         fields = json.loads(description)
-        inputs = {"observations": [fields["observations"], _numbers_of(fields)]}
+        inputs = {"observations": [fields["observations"], numbers_of(fields)]}
         inputs.update({key: fields[key]["shape"] for key in ("state", "noise") if key in fields})
         arguments = [torch.zeros(1, *shape) for shape in inputs.values()]
     except (ValueError, KeyError, TypeError, RuntimeError) as error:

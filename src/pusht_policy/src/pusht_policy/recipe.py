@@ -52,6 +52,8 @@ class Recipe:
             raise Error(f"interface is {self.interface}; it must be one of {known}")
         if self.interface != INTERFACES[0] and self.model == "gru":
             raise Error(f"model is gru; with the interface {self.interface} it must be another")
+        if self.chunk != Recipe.chunk and self.model not in ("chunk", "flow"):
+            raise Error(f"chunk: must be left out with the model {self.model}")
         observations, actions, execute = self.chunk
         if not (1 <= observations <= MOST_STEPS and 1 <= execute <= actions <= MOST_STEPS):
             rule = f"observations, actions and executed ones must be 1 to {MOST_STEPS}, E <= K"

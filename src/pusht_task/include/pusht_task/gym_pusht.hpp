@@ -71,7 +71,7 @@ std::array<Eigen::Vector2d, kScattered> scatteredKeypoints(const State& state);
 /// What gym-pusht's environment lets its users change in its world.
 struct Variant {
   std::optional<Eigen::Vector2d> block_cog{};  ///< [px] center of gravity from the tee's origin; none: its own
-  double damping = 0.0;                        ///< [-] share of the tee's velocity that is left after a second
+  std::optional<double> damping{};             ///< [-] share of the tee's velocity left after a second; none: its own
 };
 
 /// World in gym-pusht's units, with its resets.

@@ -36,7 +36,7 @@ class Policy {
   struct Query {
     Observation observation;
     Memory* memory;                     ///< from begin() of the same policy
-    const WorldState* state = nullptr;  ///< that was observed; null where the observation alone came: over a node
+    const WorldState* state = nullptr;  ///< state behind the observation; null if the query came over a node
   };
 
   Policy() = default;

@@ -28,7 +28,7 @@ struct PolicyInterface {
   /// Fills `seen` [numbers()] from an observation of a task that it fits.
   void look(const Observation& observation, Span<float> seen) const;
 
-  /// Whether a policy with it can act in `task`.
+  /// Whether a policy with it can act in `task`: observations and actions mean there what they mean to it.
   bool fits(const Task& task) const;
 
   /// "gym_keypoints (8, agent first)".

@@ -87,8 +87,9 @@ PolicySignature signatureOf(const pusht::ChosenPolicy& policy) {
     signature.has_state = !description.value("state", json()).is_null();
     signature.is_stochastic = !description.value("noise", json()).is_null();
   }
-  signature.has_state =
-      signature.has_state || policy.name == pusht::kExpertPolicy || policy.name == pusht::kPlannerPolicy;
+  const bool is_planner = policy.name == pusht::kPlannerPolicy;
+  signature.has_state = signature.has_state || is_planner || policy.name == pusht::kExpertPolicy;
+  signature.is_stochastic = signature.is_stochastic || is_planner;
   return signature;
 }
 

@@ -21,7 +21,7 @@ namespace sim2sim::python {
 /// What a policy sees in a control step.
 struct Glimpse {
   pusht::Observation observation{};
-  std::optional<pusht::WorldState> state{};  ///< of which it is, where a policy is told
+  std::optional<pusht::WorldState> state{};  ///< state behind the observation; none if the query has none
 };
 
 /// Row of a query: a rollout in which the callable is asked for a new answer.

@@ -27,7 +27,7 @@ gym::Variant variantOf(std::optional<PixelWorlds::Point> block_cog, std::optiona
   if (block_cog) {
     variant.block_cog = Eigen::Vector2d(block_cog->first, block_cog->second);
   }
-  variant.damping = damping.value_or(variant.damping);
+  variant.damping = damping;
   return variant;
 }
 
@@ -108,6 +108,12 @@ PixelWorlds::PixelWorlds(const std::string& kind, const py::dict& parameters, in
 
 void PixelWorlds::reset(int world, const Numbers& asked) {
   const gym::State start = stateFrom(asked.data());
+  try {
+    pusht::checkedStart(gym::toTable(start));
+  } catch (pusht::Error& error) {
+    error.addContext("reset_to_state");
+    throw;
+  }
   const WithoutGil released;
   const std::lock_guard<std::mutex> lock(mutex_);
   worlds_.at(static_cast<std::size_t>(world))->reset(start);

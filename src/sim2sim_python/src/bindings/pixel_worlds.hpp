@@ -33,6 +33,7 @@ class PixelWorlds {
               std::optional<double> damping);
 
   /// Begins an episode in one world: pusher x, y, tee x, y [px], angle [rad], as gym-pusht's `reset_to_state`.
+  /// Throws InvalidInput for a state that is not plausible.
   void reset(int world, const Numbers& asked);
 
   /// Takes a control step in the worlds of `mask`, towards their rows of `targets` [n, 2] [px]. Throws SimulationFault

@@ -1,14 +1,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Comparison of two simulators under one policy, in process."""
 
+from dataclasses import replace
 from typing import Mapping, Optional
 
 from sim2sim import _sim2sim
 from sim2sim.asked import asked
 from sim2sim.checks import checked_mapping, checked_text
-from sim2sim.gym_pusht.sight import Sight
+from sim2sim.errors import InvalidInput
+from sim2sim.sight import Sight
 from sim2sim.results import Comparison, comparison_of
 from sim2sim.simulator import in_python
+from sim2sim.stopwatch import Stopwatch
 
 
 def compare(
@@ -21,8 +24,8 @@ def compare(
     history: Optional[int] = None,
     version: Optional[str] = None,
     obs_type: Optional[str] = None,
-    observation_width: int = 96,
-    observation_height: int = 96,
+    observation_width: Optional[int] = None,
+    observation_height: Optional[int] = None,
     progress: bool = False,
     **options: object,
 ) -> Comparison:
@@ -41,8 +44,8 @@ def compare(
     with `history` the second one the past's (sim2sim.gym_pusht.Sight).
 
     Before the run a callable is asked for eight rows, in order, in reverse, and for three of them.
-    If a row gets another action (by more than 0.001 m/s), the callable has a memory or random
-    numbers of its own, or mixes rows, and is refused.
+    If a row gets another action (by more than 0.001 m/s, or 0.2 px), the callable has a memory or
+    random numbers of its own, or mixes rows, and is refused.
 
     `reference` and `engine` are names as for the command, or classes with reset() and step() of
     which a world is made by each call: worlds() describes them, and gives them a name, a version
@@ -64,10 +67,13 @@ def compare(
     simulators = in_python(options, reference=reference, engine=engine)
     options["set_reference"] = dict(checked_mapping("reference_parameters", reference_parameters))
     options["set"] = dict(checked_mapping("engine_parameters", engine_parameters))
-    sight = None
-    if obs_type is not None:
-        sight = Sight(obs_type, observation_width, observation_height)
+    sizes = {"width": observation_width, "height": observation_height}
+    given = {side: size for side, size in sizes.items() if size is not None}
+    if obs_type is None and given:
+        raise InvalidInput(f"observation_{min(given)}: must be left out without an obs_type")
+    sight = None if obs_type is None else Sight(obs_type, **given)
     known_as = "" if version is None else checked_text("version", version)
+    stopwatch = Stopwatch()
     with asked(policy, history=history, version=version, obs_type=obs_type) as it:
         if it.callable is None:
             options["policy"] = policy
@@ -76,13 +82,13 @@ def compare(
             options["threads"] = 1
         texts = _sim2sim.compare(
             options,
-            it.callable,
+            None if it.callable is None else stopwatch.timed_policy(it.callable),
             it.name,
             known_as,
             it.history,
-            None if sight is None else sight.with_past,
+            None if sight is None else stopwatch.timed("observations", sight.with_past),
             "" if sight is None else str(sight),
             simulators,
             bool(progress),
         )
-    return comparison_of(texts)
+    return replace(comparison_of(texts), seconds=stopwatch.seconds())

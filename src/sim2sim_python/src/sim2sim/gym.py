@@ -129,8 +129,8 @@ if not TYPE_CHECKING:  # the types are those of what stands in
             if name not in envs.registry:
                 envs.register(
                     name,
-                    entry_point="sim2sim.gym_pusht:PushTEnv",
-                    vector_entry_point="sim2sim.gym_pusht:PushTVectorEnv",
+                    entry_point="sim2sim.pixel_world:PushTEnv",
+                    vector_entry_point="sim2sim.pixel_world:PushTVectorEnv",
                     max_episode_steps=HORIZON,
                     kwargs={"obs_type": "state"},
                 )

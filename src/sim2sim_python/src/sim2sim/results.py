@@ -43,6 +43,8 @@ class Comparison:
     text: str  # the table that the command prints
     folder: Optional[Path]  # the files of the run; None: there are none
     files: Dict[str, str] = field(repr=False, compare=False)  # what other commands read of a run
+    # Of a run in this process: "all", and of it "observations" (images, say) and "policy".
+    seconds: Dict[str, float] = field(repr=False, compare=False, default_factory=dict)
 
     def __str__(self) -> str:
         return self.text

@@ -4,7 +4,7 @@
 https://gymnasium.farama.org/api/env and /api/vector define what the methods mean.
 """
 
-from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -26,6 +26,7 @@ from sim2sim.checks import (
 )
 from sim2sim.errors import InvalidInput
 from sim2sim.gym import NEXT_STEP, Box, Env, VectorEnv, register, register_gym_pusht
+from sim2sim.pixel_world import PushTEnv, PushTVectorEnv
 from sim2sim.starts import Starts
 
 Info = Dict[str, Any]
@@ -243,6 +244,30 @@ class VectorWorld(_Worlds, VectorEnv):
         return [checked_seed(first + world) for world in range(self.num_envs)]
 
 
+@overload
+def make(
+    kind: str,
+    *,
+    obs_type: None = None,
+    horizon: int = HORIZON,
+    task: Optional[str] = None,
+    **parameters: object,
+) -> World:
+    ...
+
+
+@overload
+def make(
+    kind: str,
+    *,
+    obs_type: str,
+    horizon: int = HORIZON,
+    task: Optional[str] = None,
+    **parameters: Any,
+) -> PushTEnv:
+    ...
+
+
 def make(
     kind: str,
     *,
@@ -250,18 +275,43 @@ def make(
     horizon: int = HORIZON,
     task: Optional[str] = None,
     **parameters: Any,
-) -> Any:
+) -> Union[World, PushTEnv]:
     """A world of an installed kind: make("mujoco", timestep=0.005).
 
-    With `obs_type` it is gym-pusht's environment, sim2sim.gym_pusht.PushTEnv, whose arguments are
+    With `obs_type` it is gym-pusht's environment (sim2sim.gym_pusht.PushTEnv), whose arguments are
     then the keywords: make("gym_pusht", obs_type="state"). Another kind, or `engine`, puts it on
     other physics: make("mujoco", obs_type="pixels").
     """
     if obs_type is None:
         return World(kind, horizon=horizon, task=task, **parameters)
-    return _pixel_world("PushTEnv")(
-        obs_type, **_on_engine(kind, task, parameters), max_episode_steps=horizon
-    )
+    arguments = _of_pixel_world(kind, task, parameters)
+    return PushTEnv(obs_type, max_episode_steps=horizon, **arguments)
+
+
+@overload
+def make_vec(
+    kind: str,
+    num_envs: int = 1,
+    *,
+    obs_type: None = None,
+    horizon: int = HORIZON,
+    task: Optional[str] = None,
+    **parameters: object,
+) -> VectorWorld:
+    ...
+
+
+@overload
+def make_vec(
+    kind: str,
+    num_envs: int = 1,
+    *,
+    obs_type: str,
+    horizon: int = HORIZON,
+    task: Optional[str] = None,
+    **parameters: Any,
+) -> PushTVectorEnv:
+    ...
 
 
 def make_vec(
@@ -272,27 +322,26 @@ def make_vec(
     horizon: int = HORIZON,
     task: Optional[str] = None,
     **parameters: Any,
-) -> Any:
-    """Worlds of an installed kind that step together; with `obs_type`, environments of gym-pusht,
-    sim2sim.gym_pusht.PushTVectorEnv, as make()."""
+) -> Union[VectorWorld, PushTVectorEnv]:
+    """Worlds of an installed kind that step together; with `obs_type`, environments of gym-pusht
+    (sim2sim.gym_pusht.PushTVectorEnv), as make()."""
     if obs_type is None:
         return VectorWorld(kind, num_envs, horizon=horizon, task=task, **parameters)
-    return _pixel_world("PushTVectorEnv")(
-        num_envs, obs_type, **_on_engine(kind, task, parameters), max_episode_steps=horizon
-    )
+    arguments = _of_pixel_world(kind, task, parameters)
+    return PushTVectorEnv(num_envs, obs_type, max_episode_steps=horizon, **arguments)
 
 
-def _pixel_world(name: str) -> Any:
-    """The class of this name; not at the top, as that module needs this one's package."""
-    from sim2sim import gym_pusht
-
-    return getattr(gym_pusht, name)
-
-
-def _on_engine(kind: str, task: Optional[str], parameters: Mapping[str, Any]) -> Dict[str, Any]:
-    """Arguments of gym-pusht's environment on the engine `kind`, unless another one is named."""
+def _of_pixel_world(
+    kind: str, task: Optional[str], parameters: Mapping[str, Any]
+) -> Dict[str, Any]:
+    """Arguments of gym-pusht's environment on the engine `kind`, or on the one that they name."""
     if task not in (None, GYM_PUSHT):
         raise InvalidInput(f"task {task}: must be {GYM_PUSHT}, or left out, with an obs_type")
+    if "max_episode_steps" in parameters:
+        raise InvalidInput("max_episode_steps: must be given as horizon")
+    if "engine" in parameters and kind != GYM_PUSHT:
+        engine = parameters["engine"]
+        raise InvalidInput(f"engine {engine}: must be left out with the kind {kind}, which is one")
     return {"engine": kind, **parameters}
 
 

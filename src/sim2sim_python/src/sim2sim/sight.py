@@ -2,7 +2,7 @@
 """What an observation of gym-pusht holds, by its `obs_type`."""
 
 import math
-from typing import Any, Callable, Dict, Mapping, Tuple, Union
+from typing import Any, Callable, Dict, Mapping, Tuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,7 @@ from sim2sim.checks import checked_integer
 from sim2sim.errors import InvalidInput
 from sim2sim.gym import Box, DictSpace
 
-Observation = Union[NDArray[Any], Dict[str, NDArray[Any]]]
+Observation = Any  # an array, or a dict of them
 
 SIDE = 512.0  # [px] of the window
 CORNERS = 16  # numbers
@@ -55,6 +55,7 @@ class Sight:
         self.is_dict = obs_type in names
         self._arrays = {name: arrays[name] for name in names.get(obs_type, (obs_type,))}
         self.has_pixels = "pixels" in self._arrays
+        self._drawn: Dict[bytes, NDArray[np.uint8]] = {}  # images of the latest states
         if self.has_pixels:
             _pictures()
 
@@ -77,8 +78,11 @@ class Sight:
         return seen.reshape(*axes, *seen.shape[1:])
 
     def __str__(self) -> str:
+        """What decides the bytes of an observation, besides the state."""
+        if not self.has_pixels:
+            return self.obs_type
         width, height = self._size
-        return f"{self.obs_type} {width} x {height}" if self.has_pixels else self.obs_type
+        return f"{self.obs_type} {width} x {height}, {_pictures().VERSIONS}"
 
     def first(self, observation: Observation) -> Observation:
         """The observation of the first world."""
@@ -99,16 +103,26 @@ class Sight:
         return Box(np.zeros_like(bound), bound.copy(), dtype=np.float64)
 
     def _pixels(self, states: NDArray[np.float64]) -> NDArray[np.uint8]:
+        """Images of the states. One that the last call had, as in a past, is not drawn again."""
+        drawn = {}
+        for state in states:
+            key = state.tobytes()
+            if key not in drawn:
+                drawn[key] = self._drawn[key] if key in self._drawn else self._image(state)
+        self._drawn = drawn
+        return np.stack([drawn[state.tobytes()] for state in states])
+
+    def _image(self, state: NDArray[np.float64]) -> NDArray[np.uint8]:
         pictures = _pictures()
-        width, height = self._size
-        images = np.empty((len(states), height, width, 3), np.uint8)
-        for image, pusher, corners in zip(images, _pushers(states), _corners(states)):
-            image[:] = pictures.scaled(pictures.draw(pusher, corners), width, height)
-        return images
+        rows = state[np.newaxis]
+        image: NDArray[np.uint8] = pictures.scaled(
+            pictures.draw(_pushers(rows)[0], _corners(rows)[0]), *self._size
+        )
+        return image
 
 
 def _pictures() -> Any:
-    from sim2sim.gym_pusht import pictures
+    from sim2sim import pictures
 
     return pictures
 

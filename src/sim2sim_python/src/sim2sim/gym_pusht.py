@@ -8,8 +8,8 @@ for `from gym_pusht.envs import PushTEnv`.
 """
 
 from sim2sim.gym import register_gym_pusht
-from sim2sim.gym_pusht.environment import PushTEnv, PushTVectorEnv
-from sim2sim.gym_pusht.sight import Sight
+from sim2sim.pixel_world import PushTEnv, PushTVectorEnv
+from sim2sim.sight import Sight
 
 __all__ = ["PushTEnv", "PushTVectorEnv", "Sight"]
 

@@ -24,6 +24,8 @@ except ImportError as error:
         f"but {error}"
     ) from None
 
+VERSIONS = f"pygame {pygame.version.ver}, OpenCV {cv2.__version__}"
+
 Point = Tuple[int, int]  # [px]
 Color = Tuple[int, int, int]  # red, green, blue
 
@@ -81,8 +83,8 @@ def mark(image: NDArray[np.uint8], action: Sequence[float]) -> None:
         (x, y),
         color=RED,
         markerType=cv2.MARKER_CROSS,
-        markerSize=int(8 / 96 * size),
-        thickness=int(1 / 96 * size),
+        markerSize=max(1, int(8 / 96 * size)),
+        thickness=max(1, int(1 / 96 * size)),
     )
 
 

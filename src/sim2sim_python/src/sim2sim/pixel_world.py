@@ -17,7 +17,7 @@ from sim2sim.checks import (
 )
 from sim2sim.errors import InvalidInput
 from sim2sim.gym import NEXT_STEP, Box, Env, VectorEnv
-from sim2sim.gym_pusht.sight import SIDE, Observation, Sight, checked_side
+from sim2sim.sight import SIDE, Observation, Sight, checked_side
 from sim2sim.starts import Starts
 
 Info = Dict[str, Any]
@@ -28,6 +28,8 @@ LARGEST_SEED = 2**32 - 1  # of numpy's RandomState
 FIRST_SEED = 100_000  # of comparisons; a reset without a seed draws one below
 CONTACTS_PER_STEP = 1000  # by which gym-pusht divides the number of contact points
 RENDER_MODES = ["human", "rgb_array"]
+FRAMES_PER_SECOND = 100  # of a window, as gym-pusht has it
+LARGEST_OFFSET = 512.0  # [px] of a center of gravity
 
 
 class _PixelEpisodes:
@@ -91,8 +93,11 @@ class PushTEnv(_PixelEpisodes, Env):
     """gym-pusht's environment: the same arguments, arrays and numbers, to the last bit.
 
     `engine` puts it on another engine, with that kind's `parameters`. `max_episode_steps`: control
-    steps after which an episode is truncated; None: never, as there. Two things differ: a reset without
-    a seed draws one that the last given seed decides, and bad input is refused by name.
+    steps after which an episode is truncated; None: never, as there.
+
+    What differs: a reset without a seed draws one that the last given seed decides; bad input is
+    refused by name; pymunk's objects (`space`, `agent`, `block`) and `teleop_agent()` are not
+    there; render() without a render mode gives None.
     """
 
     def __init__(
@@ -160,23 +165,27 @@ class PushTEnv(_PixelEpisodes, Env):
         reward = np.float64(min(coverage / SUCCESS, 1.0))
         return self._seen(states), reward, is_success, truncated, info
 
-    def render(self) -> Optional[NDArray[np.uint8]]:
+    def render(self) -> Any:
         """The picture for people, with a cross where the last action draws to; or, in the mode
         "human", a window."""
-        from sim2sim.gym_pusht import pictures
+        from sim2sim import pictures
 
         if self._steps is None or self.render_mode is None:
             return None
         states = self._worlds.states
         surface = pictures.draw(states[0, :2], gym_pusht_keypoints(states)[0])
         if self.render_mode == "human":
-            self._window = self._window or pictures.Window(self.metadata["render_fps"])
+            self._window = self._window or pictures.Window(FRAMES_PER_SECOND)
             self._window.show(surface)
             return None
         image = pictures.scaled(surface, self.visualization_width, self.visualization_height)
         if self._last_action is not None:
             pictures.mark(image, self._last_action)
         return image
+
+    def get_obs(self) -> Observation:
+        """The observation of the present state."""
+        return self._seen(self._worlds.states)
 
     def close(self) -> None:
         """Closes the window, if there is one."""
@@ -280,15 +289,16 @@ class PushTVectorEnv(_PixelEpisodes, VectorEnv):
                 None if one is None else checked_integer("seed", one, 0, LARGEST_SEED)
                 for one in seed
             ]
-        return [
-            checked_integer("seed", seed + world, 0, LARGEST_SEED) for world in range(self.num_envs)
-        ]
+        first = checked_integer("seed", seed, 0, LARGEST_SEED + 1 - self.num_envs)
+        return [first + world for world in range(self.num_envs)]
 
 
 def _checked_point(point: Optional[Sequence[float]]) -> Optional[Tuple[float, float]]:
     if point is None:
         return None
     x, y = _finite("block_cog", checked_numbers("block_cog", point, (2,)))
+    if max(abs(x), abs(y)) > LARGEST_OFFSET:
+        raise InvalidInput(f"block_cog {x}, {y}: must be within {LARGEST_OFFSET} px of the origin")
     return float(x), float(y)
 
 

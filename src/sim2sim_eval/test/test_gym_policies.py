@@ -5,9 +5,11 @@ Policy, as files and as modules."""
 
 import json
 import unittest
+from pathlib import Path
 from typing import Any, Dict, List, Tuple
 
 import numpy as np
+import rospkg  # type: ignore[import]
 import sim2sim
 import torch
 
@@ -219,6 +221,16 @@ class Interfaces(CommandCase):
             self.assertEqual(process.returncode, 0, process.stderr)
         matrix = json.loads((self.folder / "sweep" / "matrix.json").read_text())
         self.assertEqual(len(matrix["policies"]), 2)
+
+    def test_installed_ones_act(self) -> None:
+        folder = Path(rospkg.RosPack().get_path("pusht_policy")) / "policies"
+        for name, sizes in {"state": (1, 1), "chunk": (16, 8), "flow": (16, 8)}.items():
+            with self.subTest(name):
+                policy = str(folder / f"gym_{name}.ts.pt")
+                provenance = self.compare(policy, name, "--engine", "mujoco", "--no-floor")
+                self.assertEqual(provenance["policy"]["runs_on"], "fixed-order kernel")
+                description = provenance["policy"]["description"]
+                self.assertEqual((description["actions"], description["execute"]), sizes)
 
     def test_from_demonstrations_to_a_policy(self) -> None:
         """The planner shows gym-pusht's task; what was trained on its keypoints acts there."""

@@ -55,7 +55,7 @@ class Checkpoint {
         static_cast<int>(observationNumbers(description) + numbersIn(description.state) + numbersIn(description.noise)),
         readGraph(*graph_, network_->inputSizes(), has_state), instruction_set);
     KernelNetwork on_kernel(kernel);
-    requireAgreement(answersToProbes(on_kernel, description, "kernel"), answers_);
+    requireAgreement(answersToProbes(on_kernel, description, "kernel"), answers_, description.interface);
     return kernel;
   }
 

@@ -12,7 +12,7 @@
 namespace pusht {
 namespace {
 
-constexpr float kAgreement = 1e-5F;  // between kernel and libtorch; relative where actions exceed 1
+constexpr float kAgreement = 1e-5F;  // between kernel and libtorch, of 1 m/s; relative where actions exceed that
 
 constexpr int kCallsWithState = 4;  // one after the other, each with the state of the one before
 
@@ -69,10 +69,13 @@ std::vector<float> answersToProbes(Network& network, const PolicyDescription& de
   return answers;
 }
 
-void requireAgreement(const std::vector<float>& actual, const std::vector<float>& expected) {
+void requireAgreement(const std::vector<float>& actual, const std::vector<float>& expected,
+                      const PolicyInterface& interface) {
+  const bool is_gyms = interface.name != PolicyInterface::Name::kFullCircle;
+  const auto unit = static_cast<float>(actionPerSpeed(is_gyms ? gymPusht() : fullCircle()));
   for (std::size_t i = 0; i < actual.size(); ++i) {
     const float difference = std::abs(actual[i] - expected[i]);
-    if (!(difference <= kAgreement * std::max(1.0F, std::abs(expected[i])))) {
+    if (!(difference <= kAgreement * std::max(unit, std::abs(expected[i])))) {
       throw UnfitForKernel("the kernel differs from libtorch by " + std::to_string(difference) + " for probe " +
                            std::to_string(i * kNetworkProbes / actual.size()));
     }

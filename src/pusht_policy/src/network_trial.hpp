@@ -15,6 +15,7 @@ namespace pusht {
 std::vector<float> answersToProbes(Network& network, const PolicyDescription& description, const std::string& name);
 
 /// Throws UnfitForKernel unless the kernel answers the probes as libtorch did.
-void requireAgreement(const std::vector<float>& actual, const std::vector<float>& expected);
+void requireAgreement(const std::vector<float>& actual, const std::vector<float>& expected,
+                      const PolicyInterface& interface);
 
 }  // namespace pusht

@@ -140,7 +140,7 @@ class Environment(unittest.TestCase):
             self.assertNotEqual(end(**changed), usual, changed)
 
     def test_damping_is_the_share_that_is_left_after_a_second(self) -> None:
-        """Of a tee that was hit and coasts: from step to step its way shrinks by damping^0.1."""
+        """A tee that was hit coasts: from step to step its way shrinks by damping^0.1."""
         for damping in (0.2, 0.5):
             env = PushTEnv(damping=damping)
             env.reset(options={"reset_to_state": [256, 100, 256, 200, 0]})

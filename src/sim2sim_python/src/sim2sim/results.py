@@ -43,7 +43,7 @@ class Comparison:
     text: str  # the table that the command prints
     folder: Optional[Path]  # the files of the run; None: there are none
     files: Dict[str, str] = field(repr=False, compare=False)  # what other commands read of a run
-    # Of a run in this process: "all", and of it "observations" (images, say) and "policy".
+    # Seconds of a run in this process: "all", and the parts "observations" (images) and "policy".
     seconds: Dict[str, float] = field(repr=False, compare=False, default_factory=dict)
 
     def __str__(self) -> str:

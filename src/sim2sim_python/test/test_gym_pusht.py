@@ -136,7 +136,12 @@ class Environment(unittest.TestCase):
 
         usual = end()
         self.assertEqual(end(damping=0.0), usual)
-        for changed in ({"damping": 0.5}, {"block_cog": (0.0, 30.0)}, {"engine": "chipmunk"}):
+        each: Tuple[Dict[str, Any], ...] = (
+            {"damping": 0.5},
+            {"block_cog": (0.0, 30.0)},
+            {"engine": "chipmunk"},
+        )
+        for changed in each:
             self.assertNotEqual(end(**changed), usual, changed)
 
     def test_damping_is_the_share_that_is_left_after_a_second(self) -> None:
@@ -327,7 +332,7 @@ class Compared(unittest.TestCase):
             assert_array_equal(both["agent_pos"][0], past)
 
     def test_refused(self) -> None:
-        for arguments, words in (
+        cases: Tuple[Tuple[Dict[str, Any], str], ...] = (
             ({"policy": "expert"}, "obs_type state: must be left out unless the policy is a call"),
             (
                 {"policy": len, "observation_width": 64, "obs_type": None},
@@ -337,7 +342,8 @@ class Compared(unittest.TestCase):
                 {"policy": len, "task": "full_circle"},
                 "obs_type state: must be left out in the task",
             ),
-        ):
+        )
+        for arguments, words in cases:
             options: Dict[str, Any] = {"obs_type": "state", **self.OPTIONS}
             options.update(arguments)
             with self.subTest(words), self.assertRaisesRegex(sim2sim.InvalidInput, words):

@@ -138,7 +138,7 @@ class OneWorld(unittest.TestCase):
             (lambda: world.reset(seed=-1), "^seed -1: must be from 0 to 18446744073709551615$"),
             (lambda: world.reset(seed=1.5), "^seed 1.5: must be an integer$"),  # type: ignore
             (lambda: world.reset(options=3), "^options 3: must be a dict$"),  # type: ignore
-            (lambda: sim2sim.make(3), "^kind 3: must be text"),  # type: ignore[arg-type]
+            (lambda: sim2sim.make(3), "^kind 3: must be text"),  # type: ignore[call-overload]
             (lambda: world.reset(options={"tee": 1}), r"^options \['tee'\]: unknown; known: state"),
             (
                 lambda: world.reset(options={"state": {"x": 1}}),

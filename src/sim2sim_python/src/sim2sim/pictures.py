@@ -7,7 +7,7 @@ and OpenCV 4.6.
 
 import math
 import os
-from typing import Any, List, Sequence, Tuple
+from typing import Any, List, Tuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from sim2sim.errors import BadDependency
 
 os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
 try:
-    import cv2
+    import cv2  # type: ignore[import]
     import pygame
 except ImportError as error:
     raise BadDependency(
@@ -72,10 +72,10 @@ def scaled(surface: Any, width: int, height: int) -> NDArray[np.uint8]:
     return np.ascontiguousarray(image[:, :, 2::-1])
 
 
-def mark(image: NDArray[np.uint8], action: Sequence[float]) -> None:
+def mark(image: NDArray[np.uint8], action: NDArray[np.float64]) -> None:
     """Draws a cross where an action [px] draws the pusher to."""
     height, width, _ = image.shape
-    share = np.asarray(action, np.float64) / SIDE
+    share = action / SIDE
     x, y = (int(number) for number in share * [height, width])
     size = min(width, height)
     cv2.drawMarker(
@@ -88,7 +88,7 @@ def mark(image: NDArray[np.uint8], action: Sequence[float]) -> None:
     )
 
 
-def _pixel(point: Sequence[float]) -> Point:
+def _pixel(point: Any) -> Point:
     return round(point[0]), round(point[1])
 
 

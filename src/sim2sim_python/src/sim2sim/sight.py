@@ -66,8 +66,8 @@ class Sight:
 
     def of(self, states: NDArray[np.float64]) -> Observation:
         """Observations of worlds in these states [n, 7], as PixelWorlds.states."""
-        arrays = {name: array(states) for name, array in self._arrays.items()}
-        return arrays if self.is_dict else next(iter(arrays.values()))
+        arrays: Dict[str, Any] = {name: array(states) for name, array in self._arrays.items()}
+        return arrays if self.is_dict else arrays[self.obs_type]
 
     def with_past(self, states: NDArray[np.float64]) -> Observation:
         """Observations of states [n, 7], or with their past [n, H, 7], by the same axes."""

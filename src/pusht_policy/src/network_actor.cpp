@@ -9,7 +9,7 @@
 namespace pusht {
 
 std::size_t observationNumbers(const PolicyDescription& description) {
-  return static_cast<std::size_t>(description.observations * description.interface.numbers());
+  return static_cast<std::size_t>(description.observations) * static_cast<std::size_t>(description.interface.numbers());
 }
 
 std::size_t actionNumbers(const PolicyDescription& description) {

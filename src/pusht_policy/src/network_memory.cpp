@@ -27,7 +27,8 @@ void PolicyNoise::draw(Span<float> noise) {
 
 NetworkMemory::NetworkMemory(const PolicyDescription& description, const Beginning& beginning)
     : interface_(description.interface),
-      history_(static_cast<std::size_t>(description.observations * description.interface.numbers())),
+      history_(static_cast<std::size_t>(description.observations) *
+               static_cast<std::size_t>(description.interface.numbers())),
       state_(numbersIn(description.state)),
       answer_(static_cast<std::size_t>(description.actions) * kActionNumbers),
       execute_(beginning.execute > 0 ? beginning.execute : description.execute),

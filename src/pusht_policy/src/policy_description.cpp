@@ -138,7 +138,8 @@ PolicyInterface interfaceFrom(const json& root, const std::string& where) {
   }
   if (interface.name == PolicyInterface::Name::kGymKeypoints) {
     const json& keypoints = valueOf(root, "keypoints", where);
-    if (keypoints != gym_pusht::kCorners && keypoints != gym_pusht::kScattered) {
+    const auto is = [&](std::size_t count) { return keypoints == count; };
+    if (!is(gym_pusht::kCorners) && !is(gym_pusht::kScattered)) {
       refuseValue(where, "keypoints", keypoints, "8, the tee's corners, or 9, those of Diffusion Policy");
     }
     interface.keypoints = keypoints.get<int>();

@@ -140,7 +140,7 @@ WorldState stateIn(const std::string& line, const Layout& layout, const pusht::T
 
 /// "0.3 m", or "0.3 m (556 px)" in a task with a unit of its own.
 std::string coordinateText(double meters, std::size_t axis, const pusht::Task& task) {
-  const std::string text = pusht::shortestText(meters) + " m";
+  std::string text = pusht::shortestText(meters) + " m";
   if (task.frame.isTables()) {
     return text;
   }

@@ -4,8 +4,10 @@
 Policy, as files and as modules."""
 
 import json
+import re
 import unittest
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, Dict, List, Tuple
 
 import numpy as np
@@ -18,6 +20,7 @@ from gym_policies import (
     DIFFUSION_POLICY,
     LEROBOT,
     Seer,
+    Unet,
     save,
     save_act,
     save_diffusion,
@@ -38,6 +41,7 @@ DEMONSTRATE = executable("sim2sim_eval", "demonstrate")
 TRAIN = executable("pusht_policy", "train")
 EXPORT = executable("pusht_policy", "export_onnx")
 GYM_STATE = {"interface": "gym_state"}
+DOCS = Path(__file__).resolve().parents[3] / "docs"
 SHORT = ("--task", "gym_pusht", "--reference", "gym_pusht", "--episodes", "2", "--horizon", "20")
 
 
@@ -54,6 +58,25 @@ class Part(torch.nn.Module):
         if self.angle:
             point = point[:, :, :1] * torch.tensor([50.0, 20.0])
         return torch.floor(point / 4.0 + 0.5) * 4.0
+
+
+class Stand(SimpleNamespace):
+    """Stands in for a policy of a project that cannot be installed here."""
+
+    def eval(self) -> "Stand":
+        self.net.eval()
+        return self
+
+    def requires_grad_(self, wanted: bool) -> None:
+        self.net.requires_grad_(wanted)
+
+
+def normalized(pixels: torch.Tensor) -> torch.Tensor:
+    return pixels / 256.0 - 1.0
+
+
+def in_pixels(numbers: torch.Tensor) -> torch.Tensor:
+    return (numbers + 1.0) * 256.0
 
 
 class Interfaces(CommandCase):
@@ -166,6 +189,46 @@ class Interfaces(CommandCase):
             [runs_on[name] for name in ("state", "corners")], ["fixed-order kernel"] * 2
         )
         self.assertEqual([runs_on[name] for name in ("lerobot", "dp", "act")], ["libtorch"] * 3)
+
+    def test_the_export_that_the_page_shows(self) -> None:
+        """With the attributes that it reads of LeRobot's and Diffusion Policy's classes."""
+        page = (DOCS / "policies.md").read_text(encoding="utf-8")
+        (code,) = [c for c in re.findall("```python\n(.*?)```", page, re.S) if "of_lerobot" in c]
+        shown: Dict[str, Any] = {}
+        exec(code, shown)  # pylint: disable=exec-used
+        scheduler = SimpleNamespace(
+            alphas_cumprod=torch.linspace(0.999, 0.01, 100),
+            config=SimpleNamespace(prediction_type="epsilon"),
+        )
+        nets = {numbers: Unet(2 * numbers, (32, 64), embedding=32) for numbers in (18, 20)}
+
+        def model(numbers: int) -> Any:
+            return lambda x, t, global_cond: nets[numbers](x, t.float(), global_cond)
+
+        lerobot = Stand(
+            net=nets[18],
+            normalize_inputs=lambda batch: {name: normalized(x) for name, x in batch.items()},
+            unnormalize_outputs=lambda batch: {"action": in_pixels(batch["action"])},
+            diffusion=SimpleNamespace(
+                config=SimpleNamespace(prediction_type="epsilon", horizon=16),
+                unet=model(18),
+                noise_scheduler=scheduler,
+            ),
+        )
+        normalizer = SimpleNamespace(normalize=normalized, unnormalize=in_pixels)
+        diffusion_policy = Stand(
+            net=nets[20],
+            horizon=16,
+            model=model(20),
+            noise_scheduler=scheduler,
+            normalizer={"obs": normalizer, "action": normalizer},
+        )
+        of_lerobot = shown["of_lerobot"](lerobot)
+        shown["export"](of_lerobot, 18, self.path("lerobot.pt"), **LEROBOT)
+        of_diffusion = shown["of_diffusion_policy"](diffusion_policy)
+        shown["export"](of_diffusion, 20, self.path("dp.pt"), **DIFFUSION_POLICY)
+        for name in ("lerobot", "dp"):
+            self.compare(f"{name}.pt", name, "--engine", "none", "--no-floor")
 
     def test_onnx_has_the_bits_or_names_the_operators(self) -> None:
         save_mlp(self.path("corners.pt"), LEROBOT, 18, past=2, chunk=16)

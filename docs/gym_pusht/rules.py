@@ -27,7 +27,9 @@ def means_of(row: Path) -> Dict[str, Dict[str, float]]:
     with (row / "episodes.csv").open() as file:
         rollouts = list(csv.DictReader(file))
     return {
-        mode: {name: mean(float(r[name]) for r in rollouts if r["mode"] == mode) for name in FIGURES}
+        mode: {
+            name: mean(float(r[name]) for r in rollouts if r["mode"] == mode) for name in FIGURES
+        }
         for mode in ("reference_closed", "engine_closed")
     }
 
@@ -54,7 +56,9 @@ def main() -> None:
         if group not in ("mlp", "chunk") or len(values) < 5:
             continue
         half = STUDENT * stdev(values) / len(values) ** 0.5
-        low, middle, high = (100 * v for v in (mean(values) - half, mean(values), mean(values) + half))
+        low, middle, high = (
+            100 * v for v in (mean(values) - half, mean(values), mean(values) + half)
+        )
         print(f"{group:6} {engine:8} {FIGURES[name]:22} {middle:3.0f} % [{low:.0f}, {high:.0f}]")
 
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_policy/planning_expert.hpp"
+#include "planning_expert.hpp"
 
 #include <cmath>
 #include <cstddef>

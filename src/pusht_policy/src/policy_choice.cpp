@@ -10,7 +10,7 @@
 #include <system_error>
 
 #include "network_choice.hpp"
-#include "pusht_policy/planning_expert.hpp"
+#include "planning_expert.hpp"
 #include "pusht_policy/scripted_expert.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/joined.hpp"

@@ -68,9 +68,9 @@ class TorchNetwork final : public Network {
 /// the end of a short record, and may crash on a bad pickle: rehearse().
 void requireWholeTensors(const std::string& bytes, const Records& records, const std::string& name);
 
-/// Makes the constants of no dimension that arithmetic takes numbers again, which they were before a module was traced.
-/// As tensors they would make a double of a tensor of integers, as in an embedding of time. libtorch does the same when
-/// it optimizes a graph.
+/// Replaces tensors of no dimension in arithmetic by the numbers that they were before `module` was traced. Arithmetic
+/// of such a tensor and integers gives doubles, of a number and integers floats. libtorch's optimizer of graphs does
+/// the same.
 void restoreTracedNumbers(const torch::jit::Module& module);
 
 /// Operations of a graph whose first input is the module and whose others are float32 of these shapes for one rollout:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// The planning expert in a world without physics: what does not depend on the quality of its plans. Its success is
 /// tested in sim2sim_eval, where kinds of simulators are at hand.
-#include "pusht_policy/planning_expert.hpp"
+#include "../src/planning_expert.hpp"
 
 #include <gtest/gtest.h>
 

@@ -19,9 +19,10 @@ from pusht_policy import models
 from pusht_policy.checkpoint import provenance_path
 from pusht_policy.demonstrations import Demonstration
 from pusht_policy.frames import Examples, Frames, frames_of, pieces, windows
+from pusht_policy.interface import INTERFACES
 from pusht_policy.model import DESCRIPTION, Model, Policy, ranges_of
 from pusht_policy.models import MODELS
-from pusht_policy.recipe import MODELS as NAMES, Recipe
+from pusht_policy.recipe import INTERFACES as INTERFACE_NAMES, MODELS as NAMES, Recipe
 from pusht_testing.long_tests import LONG
 from std_msgs.msg import String  # type: ignore[import]
 
@@ -95,8 +96,9 @@ class Networks(unittest.TestCase):
         with torch.no_grad():
             return float(model.loss(examples, torch.Generator().manual_seed(1)))
 
-    def test_every_name_of_a_recipe_is_a_network(self) -> None:
+    def test_every_name_of_a_recipe_is_there(self) -> None:
         self.assertEqual(tuple(MODELS), NAMES)
+        self.assertEqual(tuple(INTERFACES), INTERFACE_NAMES)
 
     def test_the_loss_is_that_of_what_is_answered(self) -> None:
         """Answers in SI units, mapped as the targets are."""

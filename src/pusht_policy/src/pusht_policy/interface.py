@@ -7,6 +7,9 @@ from typing import Any, Dict, Mapping, NamedTuple
 import numpy as np
 from pusht_task.error import Error
 
+OBSERVATION = 10  # numbers
+NUMBERS = ctypes.POINTER(ctypes.c_float)
+
 
 class Interface(NamedTuple):
     """What a policy sees."""
@@ -14,7 +17,10 @@ class Interface(NamedTuple):
     task: str
     keypoints: int = 0  # points of the tee; 0: its pose
     agent_first: bool = True
-    numbers: int = 10
+
+    def numbers(self) -> int:
+        """How many numbers it sees."""
+        return OBSERVATION if self.task == "full_circle" else self._look(0, None, None)
 
     def fields(self, name: str) -> Dict[str, Any]:
         """What a description says of it; the default is left out."""
@@ -24,35 +30,31 @@ class Interface(NamedTuple):
         return {"interface": name, **(points if self.keypoints else {})}
 
     def seen(self, observations: np.ndarray) -> np.ndarray:
-        """float32 [n, numbers] of observations float32 [n, 10], by the suite's own code."""
+        """float32 [n, numbers()] of observations float32 [n, 10], by the suite's own code."""
         if self.task == "full_circle":
             return observations
         rows = np.ascontiguousarray(observations, np.float32)
-        seen = np.empty((len(rows), self.numbers), np.float32)
-        look = ctypes.CDLL("libpusht_task.so").seenOfGymPusht
-        pointer = ctypes.POINTER(ctypes.c_float)
-        look.argtypes = (ctypes.c_int, ctypes.c_int, pointer, ctypes.c_size_t, pointer)
-        look(
-            self.keypoints,
-            self.agent_first,
-            rows.ctypes.data_as(pointer),
-            len(rows),
-            seen.ctypes.data_as(pointer),
-        )
+        seen = np.empty((len(rows), self.numbers()), np.float32)
+        self._look(len(rows), rows.ctypes.data_as(NUMBERS), seen.ctypes.data_as(NUMBERS))
         return seen
+
+    def _look(self, rows: int, observations: Any, seen: Any) -> int:
+        look = ctypes.CDLL("libpusht_task.so").seenOfGymPusht
+        look.argtypes = (ctypes.c_int, ctypes.c_int, NUMBERS, ctypes.c_size_t, NUMBERS)
+        return int(look(self.keypoints, self.agent_first, observations, rows, seen))
 
 
 INTERFACES: Mapping[str, Interface] = {
     "full_circle": Interface("full_circle"),
-    "gym_state": Interface("gym_pusht", numbers=5),
-    "gym_keypoints": Interface("gym_pusht", keypoints=8, numbers=18),  # LeRobot's
+    "gym_state": Interface("gym_pusht"),
+    "gym_keypoints": Interface("gym_pusht", keypoints=8),  # LeRobot's
 }
 
 
 def numbers_of(description: Mapping[str, Any]) -> int:
     """How many numbers a policy of this description sees."""
     interface = INTERFACES[description.get("interface", "full_circle")]
-    return 2 * (int(description["keypoints"]) + 1) if interface.keypoints else interface.numbers
+    return interface._replace(keypoints=int(description.get("keypoints", 0))).numbers()
 
 
 def require_task(bag: object, name: str, task: str) -> None:

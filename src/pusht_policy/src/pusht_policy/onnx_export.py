@@ -23,7 +23,7 @@ from pusht_policy.checkpoint import (
     read_provenance,
     sha256_of,
 )
-from pusht_policy.interface import numbers_of
+from pusht_policy.interface import OBSERVATION, numbers_of
 from pusht_task.command import require_folder_of, require_new_file
 from pusht_task.error import Error, ExitCode
 from pusht_task.files import read_file, write_file
@@ -33,7 +33,6 @@ OPSET = 14  # version of ONNX's operators; torch 1.13 and 2.6 both write it
 SUFFIX = ".onnx"  # by which the suite knows such a file
 MARK = b"\x12\x07pytorch"  # the producer, at the beginning of a file that torch exported
 DESCRIPTION = "policy.json"  # extra file of a checkpoint with a history, chunks, a state or noise
-OBSERVATION = 10
 ARITHMETIC = ("aten::add", "aten::sub", "aten::mul", "aten::div")
 ACTION = 2
 

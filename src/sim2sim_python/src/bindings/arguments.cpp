@@ -138,4 +138,12 @@ std::vector<std::string> argumentsOf(const CLI::App& app, const py::dict& option
   return arguments;
 }
 
+pusht::ParameterSet parametersFrom(const pusht::SimulatorKind& kind, const py::dict& values) {
+  pusht::ParameterSet parameters = kind.defaults();
+  for (const auto& [name, value] : values) {
+    parameters.set(py::str(name), textOf(value));
+  }
+  return parameters;
+}
+
 }  // namespace sim2sim::python

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "pusht_task/simulator_kind.hpp"
+
 namespace CLI {
 class App;
 }  // namespace CLI
@@ -22,5 +24,8 @@ std::string textOf(const pybind11::handle& value);
 /// repeated. Positional arguments come last, in the order of their keywords. Throws InvalidInput for a list or dict
 /// where there can be none. Unknown options are for the parser to refuse.
 std::vector<std::string> argumentsOf(const CLI::App& app, const pybind11::dict& options);
+
+/// Parameters of `kind`, by default but for what `values` has by name. Throws as ParameterSet::set().
+pusht::ParameterSet parametersFrom(const pusht::SimulatorKind& kind, const pybind11::dict& values);
 
 }  // namespace sim2sim::python

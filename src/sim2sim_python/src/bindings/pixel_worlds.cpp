@@ -69,18 +69,6 @@ py::array_t<double> keypointsOf(const PixelWorlds::Numbers& states) {
   return corners;
 }
 
-/// Array [n, width] of what `row` gives for each world.
-template <class Row>
-py::array_t<double> table(const std::vector<std::unique_ptr<gym::World>>& worlds, std::size_t width, const Row& row) {
-  py::array_t<double> rows({worlds.size(), width});
-  double* number = rows.mutable_data();
-  for (const auto& world : worlds) {
-    const auto numbers = row(*world);
-    number = std::copy(numbers.begin(), numbers.end(), number);
-  }
-  return rows;
-}
-
 }  // namespace
 
 std::array<double, kPixelNumbers> numbersInPixels(const gym::State& state) {
@@ -91,11 +79,7 @@ std::array<double, kPixelNumbers> numbersInPixels(const gym::State& state) {
 PixelWorlds::PixelWorlds(const std::string& kind, const py::dict& parameters, int worlds,
                          std::optional<Point> block_cog, std::optional<double> damping) {
   const pusht::SimulatorKind& chosen = pusht::SimulatorKinds::installed().named(kind);
-  pusht::ParameterSet values = chosen.defaults();
-  for (const auto& [name, value] : parameters) {
-    values.set(py::str(name), textOf(value));
-  }
-  const pusht::SimulatorModel model = chosen.load(values, pusht::gymPusht());
+  const pusht::SimulatorModel model = chosen.load(parametersFrom(chosen, parameters), pusht::gymPusht());
   if (model.make_in_pixels == nullptr && (block_cog || damping)) {
     throw pusht::InvalidInput(std::string(block_cog ? "block_cog" : "damping") + ": must be left out with the engine " +
                               kind + ", which has none");
@@ -134,26 +118,41 @@ void PixelWorlds::step(const Numbers& targets, const Mask& mask) {
 
 py::array_t<double> PixelWorlds::states() const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  return table(worlds_, kPixelNumbers, [](const gym::World& world) { return numbersInPixels(world.state()); });
+  py::array_t<double> rows({static_cast<py::ssize_t>(worlds_.size()), kPixelNumbers});
+  double* number = rows.mutable_data();
+  for (const auto& world : worlds_) {
+    const auto numbers = numbersInPixels(world->state());
+    number = std::copy(numbers.begin(), numbers.end(), number);
+  }
+  return rows;
+}
+
+template <class Value, class Function>
+py::array_t<Value> PixelWorlds::column(const Function& function) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  py::array_t<Value> values(static_cast<py::ssize_t>(worlds_.size()));
+  std::transform(worlds_.begin(), worlds_.end(), values.mutable_data(),
+                 [&](const auto& world) { return function(*world); });
+  return values;
 }
 
 py::array_t<double> PixelWorlds::coverages() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  py::array_t<double> values(static_cast<py::ssize_t>(worlds_.size()));
-  std::transform(worlds_.begin(), worlds_.end(), values.mutable_data(),
-                 [](const auto& world) { return pusht::coverageOf(gym::toTable(world->state()), pusht::gymPusht()); });
-  return values;
+  return column<double>(
+      [](const gym::World& world) { return pusht::coverageOf(gym::toTable(world.state()), pusht::gymPusht()); });
+}
+
+py::array_t<double> PixelWorlds::rewards() const {
+  return column<double>(
+      [](const gym::World& world) { return pusht::reward(gym::toTable(world.state()), false, pusht::gymPusht()); });
 }
 
 py::array_t<int> PixelWorlds::contacts() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  py::array_t<int> values(static_cast<py::ssize_t>(worlds_.size()));
-  std::transform(worlds_.begin(), worlds_.end(), values.mutable_data(),
-                 [](const auto& world) { return world->contacts(); });
-  return values;
+  return column<int>([](const gym::World& world) { return world.contacts(); });
 }
 
 void bindPixelWorlds(py::module_& module) {
+  module.attr("GYM_PUSHT_FIRST_SEED") = gym::kFirstSeed;
+  module.attr("GYM_PUSHT_SUCCESS") = gym::kSuccessCoverage;
   module.def("gym_pusht_drawn", drawn, py::arg("seed"));
   module.def("gym_pusht_keypoints", keypointsOf, py::arg("states"));
   py::class_<PixelWorlds>(module, "PixelWorlds")
@@ -164,6 +163,7 @@ void bindPixelWorlds(py::module_& module) {
       .def("step", &PixelWorlds::step, py::arg("targets"), py::arg("mask"))
       .def_property_readonly("states", &PixelWorlds::states)
       .def_property_readonly("coverages", &PixelWorlds::coverages)
+      .def_property_readonly("rewards", &PixelWorlds::rewards)
       .def_property_readonly("contacts", &PixelWorlds::contacts);
 }
 

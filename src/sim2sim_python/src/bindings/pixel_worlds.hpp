@@ -42,9 +42,13 @@ class PixelWorlds {
 
   pybind11::array_t<double> states() const;     ///< [n, kPixelNumbers] numbersInPixels()
   pybind11::array_t<double> coverages() const;  ///< [n] share of the target that is covered
+  pybind11::array_t<double> rewards() const;    ///< [n] pusht::reward()
   pybind11::array_t<int> contacts() const;      ///< [n] gym_pusht::World::contacts()
 
  private:
+  template <class Value, class Function>
+  pybind11::array_t<Value> column(const Function& function) const;
+
   mutable std::mutex mutex_;  // another thread of Python may call it, too, while this one has no GIL
   std::vector<std::unique_ptr<pusht::gym_pusht::World>> worlds_;
 };

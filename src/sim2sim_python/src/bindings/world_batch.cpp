@@ -68,11 +68,7 @@ std::vector<std::string> stateFields() {
 WorldBatch::WorldBatch(const std::string& kind, const py::dict& parameters, int worlds, const std::string& task) {
   const pusht::SimulatorKind& chosen = pusht::SimulatorKinds::installed().named(kind);
   task_ = task.empty() ? &chosen.ownTask() : &pusht::taskNamed(task);
-  pusht::ParameterSet values = chosen.defaults();
-  for (const auto& [name, value] : parameters) {
-    values.set(py::str(name), textOf(value));
-  }
-  worlds_ = chosen.load(values, *task_).make_lanes(worlds);
+  worlds_ = chosen.load(parametersFrom(chosen, parameters), *task_).make_lanes(worlds);
   episodes_.resize(static_cast<std::size_t>(worlds));
   actions_.resize(static_cast<std::size_t>(worlds));
 }

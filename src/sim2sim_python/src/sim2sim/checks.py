@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from sim2sim.errors import InvalidInput
 
 OBSERVATION = 10  # numbers
+LARGEST_SEED = 2**64 - 1
 
 
 def checked_integer(name: str, value: object, least: int, greatest: int) -> int:
@@ -39,6 +40,15 @@ def checked_mapping(name: str, value: object) -> Mapping[Any, Any]:
     return value or {}
 
 
+def checked_option(options: object, known: str) -> Any:
+    """The only option that a reset knows; None: it is not there."""
+    given = checked_mapping("options", options)
+    unknown = set(given) - {known}
+    if unknown:
+        raise InvalidInput(f"options {sorted(map(str, unknown))}: unknown; known: {known}")
+    return given.get(known)
+
+
 def checked_list(name: str, value: object) -> List[Any]:
     if not isinstance(value, (list, tuple, np.ndarray)):
         raise InvalidInput(f"{name} {value!r}: must be a list")
@@ -46,7 +56,7 @@ def checked_list(name: str, value: object) -> List[Any]:
 
 
 def checked_seed(seed: object) -> int:
-    return checked_integer("seed", seed, 0, 2**64 - 1)
+    return checked_integer("seed", seed, 0, LARGEST_SEED)
 
 
 def checked_number(name: str, value: object) -> float:

@@ -8,8 +8,8 @@ from sim2sim import _sim2sim
 from sim2sim.asked import asked
 from sim2sim.checks import checked_mapping, checked_text
 from sim2sim.errors import InvalidInput
-from sim2sim.sight import Sight
 from sim2sim.results import Comparison, comparison_of
+from sim2sim.sight import Sight
 from sim2sim.simulator import in_python
 from sim2sim.stopwatch import Stopwatch
 

@@ -75,11 +75,6 @@ class Box:
 class DictSpace(Dict[str, Box]):
     """Stands in for gymnasium.spaces.Dict."""
 
-    @property
-    def spaces(self) -> Dict[str, Box]:
-        """The spaces by name."""
-        return self
-
     def seed(self, seed: Optional[int] = None) -> Any:
         """Sets the generators of sample()."""
         for space in self.values():

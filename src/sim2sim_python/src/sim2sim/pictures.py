@@ -5,14 +5,15 @@ Source: gym-pusht 0.1.5, pymunk 6.6's drawing for debugging. The same bytes as t
 and OpenCV 4.6.
 """
 
-import math
 import os
 from typing import Any, List, Tuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sim2sim._sim2sim import gym_pusht_keypoints
 from sim2sim.errors import BadDependency
+from sim2sim.sight import GOAL
 
 os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
 try:
@@ -39,8 +40,6 @@ WALLS = (
     ((506, 5), (506, 506)),
     ((5, 506), (506, 506)),
 )
-GOAL = (256, 256, math.pi / 4)
-PARTS = (((-60, 0), (60, 0), (60, 30), (-60, 30)), ((-15, 30), (15, 30), (15, 120), (-15, 120)))
 
 WHITE = (255, 255, 255)
 ROYAL_BLUE = (65, 105, 225)
@@ -127,12 +126,9 @@ def _goal() -> Any:
     """The goal on white: what is below pusher and tee."""
     surface = pygame.Surface((SIDE, SIDE), depth=32)
     surface.fill(WHITE)
-    cosine, sine = math.cos(GOAL[2]), math.sin(GOAL[2])
-    for part in PARTS:
-        corners = [
-            _pixel((GOAL[0] + cosine * x - sine * y, GOAL[1] + sine * x + cosine * y))
-            for x, y in part
-        ]
+    keypoints = gym_pusht_keypoints(np.array([[0.0, 0.0, 0.0, 0.0, *GOAL]]))
+    for part in keypoints.reshape(2, 4, 2):
+        corners = [_pixel(corner) for corner in part]
         pygame.draw.polygon(surface, LIGHT_GREEN, [*corners, corners[0]])
     return surface
 

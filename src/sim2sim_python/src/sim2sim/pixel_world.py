@@ -1,31 +1,34 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """gym-pusht's environment, on its own physics or on another engine's."""
 
-import math
-from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import Any, Dict, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from sim2sim._sim2sim import PixelWorlds, gym_pusht_drawn, gym_pusht_keypoints
+from sim2sim._sim2sim import (
+    GYM_PUSHT_FIRST_SEED,
+    GYM_PUSHT_SUCCESS,
+    PixelWorlds,
+    gym_pusht_drawn,
+    gym_pusht_keypoints,
+)
 from sim2sim.checks import (
     checked_integer,
-    checked_mapping,
     checked_number,
     checked_numbers,
+    checked_option,
     checked_text,
 )
 from sim2sim.errors import InvalidInput
 from sim2sim.gym import NEXT_STEP, Box, Env, VectorEnv
-from sim2sim.sight import SIDE, Observation, Sight, checked_side
-from sim2sim.starts import Starts
+from sim2sim.sight import GOAL, SIDE, Observation, Sight, checked_side
+from sim2sim.starts import Seeds, Starts, seeds_of
 
 Info = Dict[str, Any]
 
 STATE = 5  # numbers that a reset takes
-SUCCESS = 0.95  # of the goal that is covered
 LARGEST_SEED = 2**32 - 1  # of numpy's RandomState
-FIRST_SEED = 100_000  # of comparisons; a reset without a seed draws one below
 CONTACTS_PER_STEP = 1000  # by which gym-pusht divides the number of contact points
 RENDER_MODES = ["human", "rgb_array"]
 FRAMES_PER_SECOND = 100  # of a window, as gym-pusht has it
@@ -37,7 +40,7 @@ class _PixelEpisodes:
 
     metadata: Dict[str, Any] = {"render_modes": RENDER_MODES, "render_fps": 10}
     spec = None
-    success_threshold = SUCCESS
+    success_threshold = GYM_PUSHT_SUCCESS
 
     def __init__(
         self,
@@ -55,7 +58,7 @@ class _PixelEpisodes:
         )
         self.block_cog = block_cog
         self.damping = damping
-        self.goal_pose = np.array([256.0, 256.0, math.pi / 4])
+        self.goal_pose = np.array(GOAL)
         self._sight = sight
         self._worlds = PixelWorlds(
             self.engine,
@@ -64,7 +67,7 @@ class _PixelEpisodes:
             _checked_point(block_cog),
             _checked_damping(damping),
         )
-        self._starts = [Starts(FIRST_SEED) for _ in range(count)]
+        self._starts = [Starts(GYM_PUSHT_FIRST_SEED) for _ in range(count)]
         self._steps: Optional[NDArray[np.int64]] = None  # None: must be reset
 
     def _begin(self, world: int, seed: Optional[int], state: Optional[NDArray[np.float64]]) -> None:
@@ -153,17 +156,16 @@ class PushTEnv(_PixelEpisodes, Env):
         clipped. Returns observation, reward, terminated, truncated and info."""
         if self._steps is None:
             raise InvalidInput("step: no episode has begun; reset the environment")
-        target = _checked_actions("action", action, (2,))
+        target = _finite("action", action, (2,))
         self._worlds.step(target[np.newaxis], np.ones(1, np.bool_))
         self._last_action = target
         self._steps += 1
         states = self._worlds.states
         coverage = float(self._worlds.coverages[0])
-        is_success = coverage > SUCCESS
+        is_success = coverage > GYM_PUSHT_SUCCESS
         info = {**self._first_info(states), "is_success": is_success, "coverage": coverage}
         truncated = self._horizon is not None and bool(self._steps[0] >= self._horizon)
-        reward = np.float64(min(coverage / SUCCESS, 1.0))
-        return self._seen(states), reward, is_success, truncated, info
+        return self._seen(states), self._worlds.rewards[0], is_success, truncated, info
 
     def render(self) -> Any:
         """The picture for people, with a cross where the last action draws to; or, in the mode
@@ -233,14 +235,15 @@ class PushTVectorEnv(_PixelEpisodes, VectorEnv):
     def reset(
         self,
         *,
-        seed: Union[None, int, Sequence[Optional[int]]] = None,
+        seed: Seeds = None,
         options: Optional[Mapping[str, Any]] = None,
     ) -> Tuple[Observation, Info]:
         """Begins an episode in each: `seed` s gives environment i the seed s + i; a list has one
         for each. `options={"reset_to_state": ...}` has states [num_envs, 5]."""
         states = _state_in(options, self.num_envs)
-        seeds = self._seeds(seed)
+        seeds = seeds_of(seed, self.num_envs, LARGEST_SEED)
         super().reset(seed=seeds[0])
+        self._steps = None  # until all are reset
         for world, one in enumerate(seeds):
             self._begin(world, one, None if states is None else states[world])
         self._steps = np.zeros(self.num_envs, np.int64)
@@ -257,7 +260,7 @@ class PushTVectorEnv(_PixelEpisodes, VectorEnv):
         """Takes a control step in each; where an episode has ended, begins the next one."""
         if self._steps is None:
             raise InvalidInput("step: no episode has begun; reset the environments")
-        targets = _checked_actions("actions", actions, (self.num_envs, 2))
+        targets = _finite("actions", actions, (self.num_envs, 2))
         begin = self._ended
         self._worlds.step(targets, ~begin)
         for world in np.flatnonzero(begin):
@@ -265,7 +268,7 @@ class PushTVectorEnv(_PixelEpisodes, VectorEnv):
         self._steps = np.where(begin, 0, self._steps + 1)
         states = self._worlds.states
         coverage = np.where(begin, 0.0, self._worlds.coverages)
-        terminated = coverage > SUCCESS
+        terminated = coverage > GYM_PUSHT_SUCCESS
         truncated = np.zeros(self.num_envs, np.bool_)
         if self._horizon is not None:
             truncated = self._steps >= self._horizon
@@ -276,27 +279,14 @@ class PushTVectorEnv(_PixelEpisodes, VectorEnv):
             "coverage": coverage,
             "_coverage": ~begin,
         }
-        reward = np.minimum(coverage / SUCCESS, 1.0)
-        return self._sight.of(states), reward, terminated, truncated, info
-
-    def _seeds(self, seed: Union[None, int, Sequence[Optional[int]]]) -> List[Optional[int]]:
-        if seed is None:
-            return [None] * self.num_envs
-        if isinstance(seed, (list, tuple, np.ndarray)):
-            if len(seed) != self.num_envs:
-                raise InvalidInput(f"seed: {len(seed)} seeds; must be {self.num_envs}, or one")
-            return [
-                None if one is None else checked_integer("seed", one, 0, LARGEST_SEED)
-                for one in seed
-            ]
-        first = checked_integer("seed", seed, 0, LARGEST_SEED + 1 - self.num_envs)
-        return [first + world for world in range(self.num_envs)]
+        rewards = np.where(begin, 0.0, self._worlds.rewards)
+        return self._sight.of(states), rewards, terminated, truncated, info
 
 
 def _checked_point(point: Optional[Sequence[float]]) -> Optional[Tuple[float, float]]:
     if point is None:
         return None
-    x, y = _finite("block_cog", checked_numbers("block_cog", point, (2,)))
+    x, y = _finite("block_cog", point, (2,))
     if max(abs(x), abs(y)) > LARGEST_OFFSET:
         raise InvalidInput(f"block_cog {x}, {y}: must be within {LARGEST_OFFSET} px of the origin")
     return float(x), float(y)
@@ -311,11 +301,8 @@ def _checked_damping(damping: Optional[float]) -> Optional[float]:
     return value
 
 
-def _checked_actions(name: str, actions: object, shape: Tuple[int, ...]) -> NDArray[np.float64]:
-    return _finite(name, checked_numbers(name, actions, shape))
-
-
-def _finite(name: str, numbers: NDArray[Any]) -> NDArray[np.float64]:
+def _finite(name: str, given: object, shape: Tuple[int, ...]) -> NDArray[np.float64]:
+    numbers = checked_numbers(name, given, shape)
     if not np.isfinite(numbers).all():
         raise InvalidInput(f"{name} {numbers.tolist()}: must be finite")
     return np.ascontiguousarray(numbers, np.float64)
@@ -325,12 +312,8 @@ def _state_in(
     options: Optional[Mapping[str, Any]], count: Optional[int] = None
 ) -> Optional[NDArray[np.float64]]:
     """The state that options of a reset ask for, or those of `count` environments."""
-    options = checked_mapping("options", options)
-    unknown = set(options) - {"reset_to_state"}
-    if unknown:
-        raise InvalidInput(f"options {sorted(map(str, unknown))}: unknown; known: reset_to_state")
-    state = options.get("reset_to_state")
+    state = checked_option(options, "reset_to_state")
     if state is None:
         return None
     shape = (STATE,) if count is None else (count, STATE)
-    return _finite("reset_to_state", checked_numbers("reset_to_state", state, shape))
+    return _finite("reset_to_state", state, shape)

@@ -15,6 +15,7 @@ from sim2sim.gym import Box, DictSpace
 Observation = Any  # an array, or a dict of them
 
 SIDE = 512.0  # [px] of the window
+GOAL = (256.0, 256.0, math.pi / 4)  # [px, px, rad] pose of the tee's origin
 CORNERS = 16  # numbers
 TURN = 2.0 * math.pi  # [rad]
 LARGEST_IMAGE = 4096  # [px] along a side
@@ -43,7 +44,7 @@ class Sight:
         )
         arrays: Mapping[str, Callable[[NDArray[np.float64]], NDArray[Any]]] = {
             "state": _states,
-            "environment_state": _corners,
+            "environment_state": gym_pusht_keypoints,
             "agent_pos": _pushers,
             "pixels": self._pixels,
         }
@@ -116,7 +117,7 @@ class Sight:
         pictures = _pictures()
         rows = state[np.newaxis]
         image: NDArray[np.uint8] = pictures.scaled(
-            pictures.draw(_pushers(rows)[0], _corners(rows)[0]), *self._size
+            pictures.draw(_pushers(rows)[0], gym_pusht_keypoints(rows)[0]), *self._size
         )
         return image
 
@@ -129,10 +130,6 @@ def _pictures() -> Any:
 
 def _pushers(states: NDArray[np.float64]) -> NDArray[np.float64]:
     return states[:, :2].copy()
-
-
-def _corners(states: NDArray[np.float64]) -> NDArray[np.float64]:
-    return gym_pusht_keypoints(states)
 
 
 def _states(states: NDArray[np.float64]) -> NDArray[np.float64]:

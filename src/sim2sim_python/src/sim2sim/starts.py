@@ -2,9 +2,27 @@
 """Seeds from which episodes of a world start."""
 
 import secrets
-from typing import Optional
+from typing import List, Optional, Sequence, Union
 
 import numpy as np
+
+from sim2sim.checks import checked_integer
+from sim2sim.errors import InvalidInput
+
+Seeds = Union[None, int, Sequence[Optional[int]]]  # of a reset of many worlds
+
+
+def seeds_of(seed: Seeds, worlds: int, greatest: int) -> List[Optional[int]]:
+    """A seed for each world: `seed` and those that follow it, or a list that has one for each;
+    None: it is drawn."""
+    if seed is None:
+        return [None] * worlds
+    if isinstance(seed, (list, tuple, np.ndarray)):
+        if len(seed) != worlds:
+            raise InvalidInput(f"seed: {len(seed)} seeds; must be {worlds}, or one")
+        return [None if one is None else checked_integer("seed", one, 0, greatest) for one in seed]
+    first = checked_integer("seed", seed, 0, greatest + 1 - worlds)
+    return [first + world for world in range(worlds)]
 
 
 class Starts:

@@ -17,17 +17,18 @@ from sim2sim._sim2sim import (
     parameters_of,
 )
 from sim2sim.checks import (
+    LARGEST_SEED,
     OBSERVATION,
     checked_integer,
-    checked_mapping,
     checked_numbers,
+    checked_option,
     checked_seed,
     checked_text,
 )
 from sim2sim.errors import InvalidInput
 from sim2sim.gym import NEXT_STEP, Box, Env, VectorEnv, register, register_gym_pusht
 from sim2sim.pixel_world import PushTEnv, PushTVectorEnv
-from sim2sim.starts import Starts
+from sim2sim.starts import Seeds, Starts, seeds_of
 
 Info = Dict[str, Any]
 ACTION = 2  # numbers
@@ -191,7 +192,7 @@ class VectorWorld(_Worlds, VectorEnv):
     def reset(
         self,
         *,
-        seed: Union[None, int, Sequence[Optional[int]]] = None,
+        seed: Seeds = None,
         options: Optional[Mapping[str, Any]] = None,
     ) -> Tuple[NDArray[np.float32], Info]:
         """Begins an episode in each world; returns observations float32 [num_envs, 10] and info.
@@ -200,7 +201,7 @@ class VectorWorld(_Worlds, VectorEnv):
         starts from states [num_envs, 10]. Each entry of info is an array over the worlds.
         """
         states = _state_in(options, self.num_envs)
-        seeds = self._seeds(seed)
+        seeds = seeds_of(seed, self.num_envs, LARGEST_SEED)
         super().reset(seed=seeds[0])
         info = self._reset(seeds, states)
         return self._batch.observations, info
@@ -232,16 +233,6 @@ class VectorWorld(_Worlds, VectorEnv):
         if ended.any():
             info.update({"seed": seeds, "_seed": ended})
         return self._batch.observations, self._batch.rewards, terminated, truncated, info
-
-    def _seeds(self, seed: Union[None, int, Sequence[Optional[int]]]) -> List[Optional[int]]:
-        if seed is None:
-            return [None] * self.num_envs
-        if isinstance(seed, (list, tuple, np.ndarray)):
-            if len(seed) != self.num_envs:
-                raise InvalidInput(f"seed: {len(seed)} seeds; must be {self.num_envs}, or one")
-            return [None if one is None else checked_seed(one) for one in seed]
-        first = checked_seed(seed)
-        return [checked_seed(first + world) for world in range(self.num_envs)]
 
 
 @overload
@@ -363,11 +354,7 @@ def _state_in(
     options: Optional[Mapping[str, Any]], count: Optional[int] = None
 ) -> Optional[NDArray[np.float64]]:
     """The state that options of a reset ask for, or those of `count` worlds."""
-    options = checked_mapping("options", options)
-    unknown = set(options) - {"state"}
-    if unknown:
-        raise InvalidInput(f"options {sorted(map(str, unknown))}: unknown; known: state")
-    state = options.get("state")
+    state = checked_option(options, "state")
     if state is None:
         return None
     if count is None and isinstance(state, Mapping):

@@ -8,13 +8,15 @@ import subprocess
 import sys
 import unittest
 import warnings
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Tuple
+from typing import Any, Callable, Dict, Iterator, List, Tuple
 from unittest import mock
 
 import numpy as np
 import sim2sim
 from numpy.testing import assert_array_equal
+from sim2sim import renderers
 from sim2sim.gym_pusht import PushTEnv, Sight
 
 try:
@@ -27,6 +29,7 @@ except ImportError:
 try:
     import cv2  # type: ignore[import]
     import pygame  # type: ignore[import]
+    from sim2sim import pictures
 
     DRAWS_AS_RECORDED = pygame.version.ver == "2.1.2" and cv2.__version__.startswith("4.6.")
     needs_pictures = unittest.skipIf(False, "")
@@ -53,6 +56,16 @@ def assert_same(one: Any, other: Any) -> None:
     else:
         assert_array_equal(one, other)
         assert np.asarray(one).dtype == np.asarray(other).dtype
+
+
+@contextmanager
+def three_cores() -> Iterator[Callable[[], List[Any]]]:
+    """Two processes that draw beside this one, from the first batch on; gives them."""
+    fresh = renderers.Renderers()
+    with mock.patch.object(os, "sched_getaffinity", return_value={0, 1, 2}):
+        with mock.patch.object(renderers, "images", fresh.images):
+            yield lambda: fresh.others
+    fresh.end()
 
 
 class AsRecorded(unittest.TestCase):
@@ -224,6 +237,32 @@ class Environment(unittest.TestCase):
         for step in range(4):
             past = sight.with_past(states[np.newaxis, [max(step - 1, 0), step]])
             assert_array_equal(past[0], [alone[max(step - 1, 0)], alone[step]])
+
+    @needs_pictures
+    def test_images_of_many_worlds_are_those_of_each(self) -> None:
+        """Several processes draw them."""
+        states = np.random.default_rng(1).uniform(50, 450, (67, 7))
+        alone = [Sight("pixels", 80, 60).of(state[np.newaxis])[0] for state in states]
+        with three_cores() as others:
+            sight = Sight("pixels", 80, 60)
+            sight.of(states + 1.0)
+            while not all(renderer.is_ready() for renderer in others()):
+                pass
+            with mock.patch.object(pictures, "images", wraps=pictures.images) as here:
+                assert_array_equal(sight.of(states), alone)
+            self.assertEqual(len(here.call_args.args[0]), 23)
+            self.assertEqual(len(others()), 2)
+
+    @needs_pictures
+    def test_a_renderer_that_ends_is_named(self) -> None:
+        states = np.random.default_rng(1).uniform(50, 450, (32, 7))
+        with three_cores() as others:
+            Sight("pixels").of(states)
+            others()[1].process.kill()
+            others()[1].process.wait()
+            with self.assertRaisesRegex(sim2sim.RuntimeFault, "renderer: process .* status -9"):
+                Sight("pixels").of(states)
+            assert_array_equal(Sight("pixels").of(states)[5], Sight("pixels").of(states[5:6])[0])
 
     @needs_pictures
     def test_a_picture_for_people_marks_the_action(self) -> None:

@@ -51,8 +51,10 @@ RED = (255, 0, 0)
 
 
 def draw(pusher: NDArray[np.float64], keypoints: NDArray[np.float64]) -> Any:
-    """A surface [512 x 512] of the pusher's position [2] and the tee's corners [16], in px."""
-    surface = _BELOW.copy()
+    """A surface [512 x 512] of the pusher's position [2] and the tee's corners [16], in px. It is
+    the module's own, until the next one is drawn."""
+    surface = _SURFACE
+    surface.blit(_BELOW, (0, 0))
     for part in keypoints.reshape(2, 4, 2):
         _draw_polygon(surface, [_pixel(corner) for corner in part], LIGHT_SLATE_GRAY)
     center = _pixel(pusher)
@@ -67,8 +69,15 @@ def scaled(surface: Any, width: int, height: int) -> NDArray[np.uint8]:
     """The surface as an image [height, width, 3] of red, green, blue."""
     rows = pygame.surfarray.pixels2d(surface).T  # one number for each pixel
     channels = rows.view(np.uint8).reshape(SIDE, SIDE, 4)  # blue, green, red, and nothing
-    image = cv2.resize(channels, (width, height))
-    return np.ascontiguousarray(image[:, :, 2::-1])
+    return np.asarray(cv2.cvtColor(cv2.resize(channels, (width, height)), cv2.COLOR_BGRA2RGB))
+
+
+def images(states: NDArray[np.float64], width: int, height: int) -> NDArray[np.uint8]:
+    """Images [n, height, width, 3] of worlds in these states [n, 7], as PixelWorlds.states."""
+    drawn = np.empty((len(states), height, width, 3), np.uint8)
+    for image, state, keypoints in zip(drawn, states, gym_pusht_keypoints(states)):
+        image[:] = scaled(draw(state[:2], keypoints), width, height)
+    return drawn
 
 
 def mark(image: NDArray[np.uint8], action: NDArray[np.float64]) -> None:
@@ -143,6 +152,7 @@ def _walls() -> Any:
     return surface
 
 
+_SURFACE = pygame.Surface((SIDE, SIDE), depth=32)
 _BELOW = _goal()
 _WALLS = _walls()
 _STRIPS = (

@@ -7,6 +7,7 @@ from typing import Any, Callable, Dict, Mapping, Tuple
 import numpy as np
 from numpy.typing import NDArray
 
+from sim2sim import renderers
 from sim2sim._sim2sim import gym_pusht_keypoints
 from sim2sim.checks import checked_integer
 from sim2sim.errors import InvalidInput
@@ -105,21 +106,12 @@ class Sight:
 
     def _pixels(self, states: NDArray[np.float64]) -> NDArray[np.uint8]:
         """Images of the states. One that the last call had, as in a past, is not drawn again."""
-        drawn = {}
-        for state in states:
-            key = state.tobytes()
-            if key not in drawn:
-                drawn[key] = self._drawn[key] if key in self._drawn else self._image(state)
-        self._drawn = drawn
-        return np.stack([drawn[state.tobytes()] for state in states])
-
-    def _image(self, state: NDArray[np.float64]) -> NDArray[np.uint8]:
-        pictures = _pictures()
-        rows = state[np.newaxis]
-        image: NDArray[np.uint8] = pictures.scaled(
-            pictures.draw(_pushers(rows)[0], gym_pusht_keypoints(rows)[0]), *self._size
-        )
-        return image
+        keys = [state.tobytes() for state in states]
+        new = {key: row for row, key in enumerate(keys) if key not in self._drawn}
+        images = renderers.images(states[list(new.values())], *self._size)
+        known = {**self._drawn, **dict(zip(new, images))}
+        self._drawn = {key: known[key] for key in keys}
+        return np.stack([known[key] for key in keys])
 
 
 def _pictures() -> Any:

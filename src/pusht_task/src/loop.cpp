@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pusht_task/loop.hpp"
 
+#include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <boost/random/normal_distribution.hpp>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -20,17 +23,19 @@ namespace {
 
 constexpr const char* kLoopPreset = "preset";
 
-/// Values of the parameters.
+/// Values of the parameters, in the units of a task's observations and actions.
 struct Loop {
-  explicit Loop(const ParameterSet& set)
-      : observation_delay(static_cast<std::size_t>(set.get<std::int64_t>("observation_delay"))),
+  Loop(const ParameterSet& set, const Task& its_task)
+      : task(its_task),
+        observation_delay(static_cast<std::size_t>(set.get<std::int64_t>("observation_delay"))),
         action_delay(static_cast<std::size_t>(set.get<std::int64_t>("action_delay"))),
         hold(set.get<std::int64_t>("hold")),
         action_scale(set.get<double>("action_scale")),
-        position_noise(set.get<double>("observation_noise_position")),
+        position_noise(set.get<double>("observation_noise_position") * task.frame.per_meter),
         yaw_noise(set.get<double>("observation_noise_yaw")),
-        action_noise(set.get<double>("action_noise")) {}
+        action_noise(set.get<double>("action_noise") * actionPerSpeed(task)) {}
 
+  const Task& task;
   std::size_t observation_delay;
   std::size_t action_delay;
   std::int64_t hold;
@@ -56,7 +61,21 @@ class Noise {
 };
 
 /// Clipped command; one that is not finite is nothing to clip.
-Action clippedIfFinite(const Action& command) { return isFinite(command) ? clip(command) : command; }
+Action clippedIfFinite(const Action& command, const Task& task) {
+  return isFinite(command) ? clip(command, task) : command;
+}
+
+/// Pusher, tee as a world shows them.
+struct Shown {
+  Observation observation{};
+  std::optional<WorldState> state{};  ///< none: the observation came over a node
+};
+
+/// Errors of a sensor, in the units and the frame of a task's observations.
+struct SensorError {
+  std::array<double, 4> positions{};  ///< of pusher x, y, tee x, y
+  double yaw = 0.0;                   ///< [rad]
+};
 
 /// Queue in which everything waits for `delay` steps.
 template <class Value>
@@ -92,10 +111,13 @@ class LoopMemory : public Policy::Memory {
         observations_(loop.observation_delay),
         commands_(loop.action_delay) {}
 
-  /// What the policy is asked now that the world shows `observation`.
-  Policy::Query queryOf(const Observation& observation) {
-    const Observation now = measured(observation);
-    return {observations_.pass(now, now), memory_.get()};
+  /// What the policy is asked now that the world shows what `query` has.
+  Policy::Query queryOf(const Policy::Query& query) {
+    rest_ = restAt(query.observation);
+    const Shown now =
+        measured({query.observation, query.state != nullptr ? std::optional(*query.state) : std::nullopt});
+    seen_ = observations_.pass(now, now);
+    return {seen_.observation, memory_.get(), seen_.state ? &*seen_.state : nullptr};
   }
 
   /// Whether the policy acts in this control step.
@@ -108,14 +130,11 @@ class LoopMemory : public Policy::Memory {
     ++step_;
     Action command = held_;
     if (loop_.action_scale != 1.0) {
-      command = clippedIfFinite(command);
-      for (float& component : command) {
-        component = static_cast<float>(component * loop_.action_scale);
-      }
+      command = scaled(clippedIfFinite(command, loop_.task));
     }
-    command = commands_.pass(command, Action{});
+    command = commands_.pass(command, rest_);
     if (action_noise_.isOn()) {
-      command = clippedIfFinite(command);
+      command = clippedIfFinite(command, loop_.task);
       for (float& component : command) {
         component += static_cast<float>(action_noise_.next());
       }
@@ -124,21 +143,64 @@ class LoopMemory : public Policy::Memory {
   }
 
  private:
-  Observation measured(const Observation& truth) {
-    constexpr std::size_t kPositions = 4;  // of pusher and tee; the target is known
-    constexpr std::size_t kSin = 4;
-    constexpr std::size_t kCos = 5;
-    Observation observation = truth;
+  bool commandsPositions() const { return loop_.task.physics.drive == Drive::kPosition; }
+
+  /// Command that leaves the pusher where it is.
+  Action restAt(const Observation& truth) const { return commandsPositions() ? Action{truth[0], truth[1]} : Action{}; }
+
+  Action scaled(const Action& command) const {
+    Action scaled{};
+    for (std::size_t axis = 0; axis < command.size(); ++axis) {
+      const double from = commandsPositions() ? rest_[axis] : 0.0;
+      const double way = (command[axis] - from) * loop_.action_scale;
+      scaled[axis] = static_cast<float>(commandsPositions() ? from + way : way);  // 0 + -0 would lose a sign
+    }
+    return scaled;
+  }
+
+  Shown measured(const Shown& truth) {
+    SensorError error;
     if (position_noise_.isOn()) {
-      std::for_each_n(observation.begin(), kPositions,
-                      [&](float& position) { position += static_cast<float>(position_noise_.next()); });
+      std::generate(error.positions.begin(), error.positions.end(), [&] { return position_noise_.next(); });
     }
     if (yaw_noise_.isOn()) {
-      const double yaw = std::atan2(truth[kSin], truth[kCos]) + yaw_noise_.next();
+      error.yaw = yaw_noise_.next();
+    }
+    Shown shown = {measured(truth.observation, error), {}};
+    if (truth.state) {
+      shown.state = measured(*truth.state, error);
+    }
+    return shown;
+  }
+
+  Observation measured(Observation observation, const SensorError& error) const {
+    constexpr std::size_t kSin = 4;
+    constexpr std::size_t kCos = 5;
+    if (position_noise_.isOn()) {  // the target is known
+      for (std::size_t i = 0; i < error.positions.size(); ++i) {
+        observation[i] += static_cast<float>(error.positions[i]);
+      }
+    }
+    if (yaw_noise_.isOn()) {
+      const double yaw = std::atan2(observation[kSin], observation[kCos]) + error.yaw;
       observation[kSin] = static_cast<float>(std::sin(yaw));
       observation[kCos] = static_cast<float>(std::cos(yaw));
     }
     return observation;
+  }
+
+  WorldState measured(WorldState state, const SensorError& error) const {
+    if (!position_noise_.isOn() && !yaw_noise_.isOn()) {
+      return state;
+    }
+    const TaskFrame& frame = loop_.task.frame;
+    const auto [pusher_x, pusher_y, tee_x, tee_y] = error.positions;
+    Pose tee = frame.poseFromTable({state.tee_position, state.tee_yaw});
+    tee = frame.poseToTable({tee.position + Eigen::Vector2d(tee_x, tee_y), tee.yaw + error.yaw});
+    state.pusher_position += frame.vectorToTable({pusher_x, pusher_y});
+    state.tee_position = tee.position;
+    state.tee_yaw = tee.yaw;
+    return state;
   }
 
   const Loop& loop_;
@@ -146,16 +208,19 @@ class LoopMemory : public Policy::Memory {
   Noise position_noise_;
   Noise yaw_noise_;
   Noise action_noise_;
-  Delay<Observation> observations_;
+  Delay<Shown> observations_;
   Delay<Action> commands_;
   std::int64_t step_ = 0;
+  Shown seen_{};  ///< by the policy
+  Action rest_{};
   Action held_{};
 };
 
 class LoopedPolicy : public Policy {
  public:
-  LoopedPolicy(std::unique_ptr<Policy> policy, const ParameterSet& reference, const ParameterSet& engine)
-      : policy_(std::move(policy)), reference_(reference), engine_(engine) {}
+  LoopedPolicy(std::unique_ptr<Policy> policy, const ParameterSet& reference, const ParameterSet& engine,
+               const Task& task)
+      : policy_(std::move(policy)), reference_(reference, task), engine_(engine, task) {}
 
   std::unique_ptr<Memory> begin(const Beginning& beginning) const override {
     const Loop& loop = beginning.role == Role::kReference ? reference_ : engine_;
@@ -165,7 +230,7 @@ class LoopedPolicy : public Policy {
   void act(Span<const Query> queries, Span<Action> actions) override {
     asked_.clear();
     for (const Query& query : queries) {
-      const Query inner = memoryOf(query).queryOf(query.observation);
+      const Query inner = memoryOf(query).queryOf(query);
       if (memoryOf(query).acts()) {
         asked_.push_back(inner);
       }
@@ -230,10 +295,12 @@ const std::vector<ParameterDescriptor>& loopParameters() {
   constexpr double kMostScale = 10.0;
   static const std::vector<ParameterDescriptor> parameters = {
       presets(),
-      steps("action_delay", "from a command to its beginning in the world; before the first, the command is zero", 0),
+      steps("action_delay",
+            "from a command to its beginning in the world; before the first, it is that of a pusher at rest", 0),
       steps("observation_delay", "age of the observation that the policy gets; the first one is repeated", 0),
       steps("hold", "the policy is asked every so many control steps; its command is held in between", 1),
-      {"action_scale", "", "factor of the clipped command", 1.0, 0.0, kMostScale},
+      {"action_scale", "", "factor of the clipped command, or of the way to it if it is a position", 1.0, 0.0,
+       kMostScale},
       deviation("action_noise", "m/s", "standard deviation of the noise on each component of the clipped command"),
       deviation("observation_noise_position", "m", "standard deviation of the noise on x and y of pusher and tee"),
       deviation("observation_noise_yaw", "rad", "standard deviation of the noise on the tee's yaw"),
@@ -283,18 +350,11 @@ void setOfLoop(ParameterSet& loop, const std::string& name, const std::string& t
 }
 
 std::unique_ptr<Policy> looped(std::unique_ptr<Policy> policy, const ParameterSet& reference,
-                               const ParameterSet& engine) {
+                               const ParameterSet& engine, const Task& task) {
   if (isPlain(reference) && isPlain(engine)) {
     return policy;
   }
-  return std::make_unique<LoopedPolicy>(std::move(policy), reference, engine);
-}
-
-void requireLoop(const Task& task, const ParameterSet& loop) {
-  if (&task != &fullCircle() && !isPlain(loop)) {
-    throw InvalidInput("loop " + textOf(loop) + ": must be left out in the task " + task.name +
-                       ": its noise and delays are those of velocities");
-  }
+  return std::make_unique<LoopedPolicy>(std::move(policy), reference, engine, task);
 }
 
 }  // namespace pusht

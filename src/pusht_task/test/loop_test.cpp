@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "pusht_task/error.hpp"
+#include "pusht_task/gym_pusht.hpp"
 #include "pusht_task/spawn.hpp"
 #include "pusht_task/task.hpp"
 
@@ -255,6 +256,86 @@ TEST_F(Loops, RowsDoNotDisturbEachOther) {
   EXPECT_EQ(together[0], drive(*policy, 6, beginnings[0]));
   EXPECT_EQ(together[1], drive(*policy, 5, beginnings[1]));
   EXPECT_EQ(together[2], drive(*policy, 6, beginnings[2]));
+}
+
+/// A policy of gym_pusht that goes to one place and keeps the states it sees.
+class ToAPlace : public Policy {
+ public:
+  ToAPlace(std::vector<Query>& asked, std::vector<WorldState>& states) : asked_(asked), states_(states) {}
+
+  void act(Span<const Query> queries, Span<Action> actions) override {
+    asked_.push_back(queries[0]);
+    states_.push_back(*queries[0].state);
+    actions[0] = {300.0F, 200.0F};
+  }
+
+ private:
+  std::vector<Query>& asked_;
+  std::vector<WorldState>& states_;
+};
+
+class LoopsInPixels : public ::testing::Test {
+ protected:
+  /// Commands while the world shows `world`, step by step.
+  std::vector<Action> drive(const Settings& settings, int steps = 3) {
+    const auto policy =
+        looped(std::make_unique<ToAPlace>(asked_, states_), loopWith(settings), plainLoop(), gymPusht());
+    const auto memory = policy->begin({});
+    std::vector<Action> commands;
+    for (int step = 0; step < steps; ++step) {
+      world_.pusher_position.x() = 0.001 * step;  // 1 px a step
+      const Policy::Query query{observe(world_, gymPusht()), memory.get(), &world_};
+      policy->act({&query, 1}, {&commands.emplace_back(), 1});
+    }
+    return commands;
+  }
+
+  WorldState world_ = gym_pusht::toTable({{256.0, 200.0}, {0.0, 0.0}, {280.0, 230.0}, 0.5});
+  std::vector<Policy::Query> asked_;
+  std::vector<WorldState> states_;
+};
+
+TEST_F(LoopsInPixels, APusherWaitsWhereItIsForALateCommand) {
+  EXPECT_THAT(drive({{"action_delay", "2"}}),
+              ElementsAre(Action{256.0F, 200.0F}, Action{256.0F, 200.0F}, Action{300.0F, 200.0F}));
+}
+
+TEST_F(LoopsInPixels, ScaleIsOfTheWayToThePosition) {
+  EXPECT_THAT(drive({{"action_scale", "0.5"}}),
+              ElementsAre(Action{278.0F, 200.0F}, Action{278.5F, 200.0F}, Action{279.0F, 200.0F}));
+}
+
+TEST_F(LoopsInPixels, NoiseOfTheActuatorIsOfTheSpeed) {
+  // 1 m/s: a spring of 100/s^2 and a damper of 20/s are even 200 px behind the target.
+  constexpr int kSteps = 2000;
+  std::vector<double> errors;
+  for (const Action& command : drive({{"action_noise", "0.01"}}, kSteps)) {
+    errors.push_back((command[0] - 300.0) / 2.0);
+    errors.push_back((command[1] - 200.0) / 2.0);
+  }
+  EXPECT_NEAR(momentsOf(errors).second, 1.0, 4.0 / std::sqrt(2.0 * kSteps));
+}
+
+TEST_F(LoopsInPixels, NoiseOfTheSensorIsInObservationAndState) {
+  constexpr int kSteps = 1000;
+  drive({{"observation_noise_position", "0.003"}, {"observation_noise_yaw", "0.1"}}, kSteps);
+  std::vector<double> errors;
+  for (int step = 0; step < kSteps; ++step) {
+    const Observation& seen = asked_[static_cast<std::size_t>(step)].observation;
+    errors.push_back((seen[1] - 200.0) / 3.0);
+    const Observation of_state = observe(states_[static_cast<std::size_t>(step)], gymPusht());
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      EXPECT_NEAR(seen[i], of_state[i], 1e-4) << i;
+    }
+  }
+  EXPECT_NEAR(momentsOf(errors).second, 1.0, 4.0 / std::sqrt(2.0 * kSteps));
+}
+
+TEST_F(LoopsInPixels, ADelayIsOfObservationAndState) {
+  drive({{"observation_delay", "1"}}, 3);
+  EXPECT_EQ(states_[1].pusher_position.x(), 0.0);
+  EXPECT_EQ(states_[2].pusher_position.x(), 0.001);
+  EXPECT_EQ(asked_[2].observation[0], 257.0F);
 }
 
 TEST_F(Loops, HaveNamesThatSetWhatIsNotSetByName) {

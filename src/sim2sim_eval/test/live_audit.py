@@ -64,6 +64,12 @@ class Launches(LiveCase):
                 "engine_parameters": "preset=simple drag=true",
             },
             "--engine chipmunk --against task": {"engine": "chipmunk", "against": "task"},
+            "--engine gym_pusht --set preset=sound --against task --task gym_pusht": {
+                "engine": "gym_pusht",
+                "engine_parameters": "preset=sound",
+                "against": "task",
+                "task": "gym_pusht",
+            },
         }
         for options, arguments in cases.items():
             with self.subTest(options):

@@ -8,7 +8,7 @@ import subprocess
 import unittest
 from pathlib import Path
 from runpy import run_path
-from typing import Dict, List
+from typing import Dict, List, Sequence
 
 import sim2sim
 
@@ -21,8 +21,10 @@ AUDIT = executable("sim2sim_eval", "audit")
 COMPARE = executable("sim2sim_eval", "compare")
 SWEEP = executable("sim2sim_eval", "sweep")
 EXAMPLE = Path(__file__).resolve().parents[1] / "examples" / "quasi_static_simulator"
-MORTAL = str(Path(__file__).with_name("mortal_simulator"))
 SHORT = ("--policy", "expert", "--episodes", "3", "--horizon", "40")
+GYM_TEE = str(Path(__file__).with_name("gym_simulator"))
+IN_PIXELS = ("--task", "gym_pusht", *SHORT)
+MORTAL = str(Path(__file__).with_name("mortal_simulator"))
 PLAN = """
 policy: expert
 episodes: 3
@@ -42,9 +44,11 @@ class Served(LiveCase):
         master.forget(keep=set())
         self.environment = environment_of(self, master.uri)
 
-    def start_node(self, command: str, name: str = "engine", version: str = "1") -> Process:
+    def start_node(
+        self, command: str, name: str = "engine", version: str = "1", arguments: Sequence[str] = ()
+    ) -> Process:
         environment = {**self.environment, "VERSION": version}
-        node = Process(self, command, f"__name:={name}", environment=environment)
+        node = Process(self, command, f"__name:={name}", *arguments, environment=environment)
         self.addCleanup(kill, node.pid, signal.SIGKILL)  # at an interrupt it takes up to a second
         describe(name)  # it is there
         return node
@@ -78,9 +82,7 @@ class Bytes(Served):
         self.succeed(
             COMPARE, *SHORT, *setting, *there, "--out", "there", environment=self.environment
         )
-        for name in ("metrics.json", "statistics.json", "episodes.csv", "divergence.csv"):
-            here_bytes = (self.folder / "here" / name).read_bytes()
-            self.assertEqual((self.folder / "there" / name).read_bytes(), here_bytes, name)
+        self.assert_same_results("here", "there")
         origin = self.load("there", "provenance.json")
         self.assertEqual(origin["engine"]["node"], "/engine")
         self.assertEqual(origin["code"]["node:/engine"]["simulator"], "two_mass")
@@ -108,9 +110,59 @@ class Bytes(Served):
             reanchor=[5],
             out=str(self.folder / "in_process"),
         )
+        self.assert_same_results("in_process", "served")
+
+    def test_in_another_task_of_a_kind(self) -> None:
+        """A number of the task is set, too; then the node is asked for the course's again."""
+        kinds = {"reference": "gym_pusht", "engine": "rigid_body"}
+        for role, kind in kinds.items():
+            self.start_node(
+                node_file("sim2sim_eval", "simulator_node"), role, arguments=[f"_kind:={kind}"]
+            )
+        here = ["--reference", "gym_pusht", "--engine", "rigid_body", "--reanchor=5"]
+        there = ["--reference", "node:/reference", "--engine", "node:/engine", "--reanchor=5"]
+        self.succeed(COMPARE, *IN_PIXELS, *here, "--out", "here")
+        self.succeed(COMPARE, *IN_PIXELS, *there, "--out", "there", environment=self.environment)
+        self.assert_same_results("here", "there")
+        alone = (COMPARE, *SHORT, "--reference", "mujoco", "--engine")
+        self.succeed(*alone, "rigid_body", "--out", "course")
+        self.succeed(*alone, "node:/engine", "--out", "again", environment=self.environment)
+        self.assert_same_results("course", "again")
+        there[:2] = ["--reference", "mujoco"]
+        there[3] = "node:/reference"
+        words = "task full_circle: the kind gym_pusht holds only gym_pusht"
+        self.assertIn(words, self.refused(2, COMPARE, *SHORT, *there))
+
+    def test_in_another_task_of_a_class(self) -> None:
+        """In process, and as a node."""
+        self.start_node(GYM_TEE)
+        options = (*IN_PIXELS, "--reference", "gym_pusht", "--engine", "node:/engine")
+        self.succeed(COMPARE, *options, "--out", "served", environment=self.environment)
+        sim2sim.compare(
+            "expert",
+            task="gym_pusht",
+            reference="gym_pusht",
+            engine=sim2sim.worlds(run_path(GYM_TEE)["GymTee"], name="gym_tee", version="1"),
+            episodes=3,
+            horizon=40,
+            out=str(self.folder / "in_process"),
+        )
+        self.assert_same_results("in_process", "served")
+        replays = [row for row in self.episodes("served") if row["mode"] == "engine_replay"]
+        moved = [
+            row["mean_position_divergence_m"] != row["null_position_divergence_m"]
+            for row in replays
+        ]
+        self.assertTrue(any(moved), "no tee has moved")
+
+    def assert_same_results(self, one: str, other: str) -> None:
         for name in ("metrics.json", "statistics.json", "episodes.csv", "divergence.csv"):
-            served = (self.folder / "served" / name).read_bytes()
-            self.assertEqual((self.folder / "in_process" / name).read_bytes(), served, name)
+            expected = (self.folder / one / name).read_bytes()
+            self.assertEqual((self.folder / other / name).read_bytes(), expected, name)
+
+    def episodes(self, out: str) -> List[Dict[str, str]]:
+        with (self.folder / out / "episodes.csv").open(newline="") as table:
+            return list(csv.DictReader(table))
 
 
 class Sweeps(Served):
@@ -208,6 +260,10 @@ class Faults(Served):
         for command, reason in (
             ((*compare, "node:engine"), "simulator 'node:engine': must be node:/NAME"),
             ((*compare, "node:/policy"), "/policy: is the policy 'by_hand', must be a simulator"),
+            (
+                (*compare, "node:/engine", "--task", "gym_pusht", "--reference", "gym_pusht"),
+                "/engine: parameter task: unknown; known:",
+            ),
             (
                 (*compare, "node:/engine", "--set", "deep=1"),
                 "parameter 'deep': unknown; known: long, slow",

@@ -120,12 +120,14 @@ class Runs(LiveCase):
                     task=task,
                     reference=reference,
                     engine=engine,
+                    engine_parameters="loop.preset=tracker loop.action_delay=1",
                     out=f"out_{engine}_{reference}_{len(task)}",
                 )
                 self.assertEqual(run.ended(), 0, run.output)
                 self.assert_recomputed(run.out)
                 words = f"--policy {policy} --episodes 2 --horizon 60 --reanchor=5 --task {task}"
                 kinds = f"--reference {reference} --engine {engine}"
+                kinds += " --set loop.preset=tracker --set loop.action_delay=1"
                 kinds += " --model-variants=timestep=0.005" * (reference == "mujoco")
                 self.assertEqual(
                     result_bytes(run.out), self.batch_bytes(*words.split(), *kinds.split())
@@ -139,11 +141,6 @@ class Runs(LiveCase):
                 **gym,
                 "engine": "chipmunk",
                 "parameters": {"policy/task": "full_circle"},
-            },
-            "must be left out in the task gym_pusht": {
-                **gym,
-                "engine": "chipmunk",
-                "engine_parameters": "loop.action_delay=1",
             },
             "task 'pusht': must be one of: full_circle, gym_pusht; or a file": {"task": "pusht"},
         }

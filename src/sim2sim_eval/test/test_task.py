@@ -97,6 +97,22 @@ class Tasks(CommandCase):
                 )
                 self.assertEqual(metrics["engine_simulator"], kind)
 
+    def test_a_loop_is_in_the_units_of_the_task(self) -> None:
+        """A tracker's 2 mm are 2 px: a planner bears them, but not 20 of them."""
+        run = ("--task", "gym_pusht", "--policy", "planner", "--reference", "gym_pusht")
+        run = (*run, "--engine", "none", "--episodes", "8")
+        succeeded = [
+            self.compare(name, *run, *loop)["reference_success_rate"]
+            for name, loop in (
+                ("plain", ()),
+                ("tracker", ("--loop", "tracker")),
+                ("blind", ("--loop", "observation_noise_position=0.04")),
+            )
+        ]
+        self.assertEqual(succeeded[0], 1.0)
+        self.assertGreater(succeeded[1], succeeded[2])
+        self.assertLess(succeeded[2], 0.5)
+
     def test_a_third_task_is_a_file(self) -> None:
         """The run carries it: without the file, the bag gives the same bytes."""
         shutil.copy(BIG_TEE, self.folder / "big.json")
@@ -323,7 +339,6 @@ grid: {inertia: [true, false], kinematic: [true, false]}
                 ("--task", "gym_pusht", "--reference", "gym_pusht", "--engine", "chipmunk"),
                 "policy bc: has the interface full_circle; must have one of the task gym_pusht",
             ),
-            ((*usual, "--loop", "tracker"), "must be left out in the task gym_pusht"),
             ((*usual, "--seed", str(2**32)), "must be below 2^32"),
             ((*usual, "--starts", "px.csv"), "pixels or millimeters?"),
             ((*usual, "--starts", "m.csv"), "the table ends at"),

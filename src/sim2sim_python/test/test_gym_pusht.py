@@ -392,6 +392,16 @@ class Compared(unittest.TestCase):
             past = [plain[max(step - 2 + i, 0)] for i in range(3)]
             assert_array_equal(both["agent_pos"][0], past)
 
+    def test_a_loop_delays_what_is_seen(self) -> None:
+        self.OPTIONS = {**self.OPTIONS, "loop": {"observation_delay": 2}}
+        late = self.seen("environment_state_agent_pos")
+        positions = [seen["agent_pos"][0] for seen in late]
+        assert_array_equal(positions[1:3], positions[:1] * 2)
+        self.assertEqual(len({tuple(position) for position in positions}), 10)
+        self.OPTIONS = {**self.OPTIONS, "loop": "tracker"}
+        errors = self.seen("environment_state_agent_pos")[0]["agent_pos"][0] - positions[0]
+        self.assertTrue(np.all((errors != 0.0) & (np.abs(errors) < 10.0)), errors)
+
     def test_refused(self) -> None:
         cases: Tuple[Tuple[Dict[str, Any], str], ...] = (
             ({"policy": "expert"}, "obs_type state: must be left out unless the policy is a call"),
@@ -455,8 +465,12 @@ class WithGymnasium(unittest.TestCase):
                 for one, same in zip(results[0][:4], other[:4]):
                     assert_same(same, one)
             if step < 299:
-                rows = np.array([env.step(a)[0] for env, a in zip(singles, actions)])
-                assert_same(rows, results[0][0])
+                each = [env.step(action) for env, action in zip(singles, actions)]
+                assert_same(np.array([row[0] for row in each]), results[0][0])
+                for world, row in enumerate(each):
+                    for result in results:
+                        for name, value in row[4].items():
+                            assert_array_equal(result[4][name][world], value, name)
         self.assertEqual(
             vectors[1].observation_space,
             gymnasium.vector.utils.batch_space(singles[0].observation_space, 3),

@@ -163,6 +163,13 @@ Parameters changed(Parameters parameters, const Parameters& changes) {
   return parameters;
 }
 
+Parameters withoutTask(Parameters parameters) {
+  parameters.erase(std::remove_if(parameters.begin(), parameters.end(),
+                                  [](const auto& parameter) { return parameter.name == kTaskParameter; }),
+                   parameters.end());
+  return parameters;
+}
+
 ParameterSet merged(ParameterSet parameters, const Parameters& changes) {
   requireOnce(changes);
   for (const pusht_msgs::Parameter& change : changes) {

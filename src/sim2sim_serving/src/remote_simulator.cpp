@@ -5,6 +5,7 @@
 
 #include "pusht_task/constants.hpp"
 #include "pusht_task/error.hpp"
+#include "pusht_task/spawn.hpp"
 #include "sim2sim_serving/conversions.hpp"
 #include "sim2sim_serving/node.hpp"
 
@@ -28,7 +29,7 @@ bool isTask(const pusht_msgs::Parameter& parameter) { return parameter.name == k
 
 /// Sets the task among the `changes` of a node, unless that is full_circle and the node says of no other.
 void setTask(const Task& task, bool says_task, Parameters& changes) {
-  changes.erase(std::remove_if(changes.begin(), changes.end(), isTask), changes.end());
+  changes = withoutTask(std::move(changes));
   if (&task != &fullCircle() || says_task) {
     changes.push_back(parameter(kTaskParameter, textOf(task)));
   }
@@ -87,8 +88,10 @@ RemoteSimulator::RemoteSimulator(const Peer& peer, StampSource& stamps, const st
   setTask(task, says_task_, changes);
   stamps.raiseTo(peer.description().stamp);
   stamps.advance();
-  silent_ = true;  // what is shown of the last run stays, should this one not begin
-  requireParameters(take({}).parameters_hash);
+  silent_ = true;                     // what is shown of the last run stays, should this one not begin
+  pusht_msgs::ResetRequest anywhere;  // a start, as the node's task of now may have no seeds
+  anywhere.start = {toMessage(spawn(task.first_spawn_seed, task))};
+  requireParameters(take(anywhere).parameters_hash);
   silent_ = false;
   if (!kind.empty() || !changes.empty()) {
     configure(kind, changes);

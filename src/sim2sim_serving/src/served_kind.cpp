@@ -30,10 +30,11 @@ nlohmann::json codeOf(const pusht_msgs::DescribeResponse& node) {
   return {{"simulator", node.name}, {"version", node.version}, {"provenance", provenance}};
 }
 
+/// Parameters that a node describes, but for the task: a run has that, not a simulator.
 std::vector<ParameterDescriptor> descriptorsOf(const pusht_msgs::DescribeResponse& node) {
   std::vector<ParameterDescriptor> descriptors;
   for (const pusht_msgs::ParameterDescriptor& descriptor : node.parameter_descriptors) {
-    if (descriptor.name != kTaskParameter) {  // which a run has, not a simulator
+    if (descriptor.name != kTaskParameter) {
       descriptors.push_back(fromMessage(descriptor));
     }
   }
@@ -61,7 +62,7 @@ class ServedNode {
                           std::to_string(first_.parameters.size()) +
                           " parameters: must describe all, so that their defaults are known");
     }
-    if (saysTask(first_)) {  // what is measured here is full_circle, in which its numbers are others
+    if (saysTask(first_)) {  // some caller has left it in a task, in which its numbers are others
       pusht_msgs::DescribeRequest as_it_begins;
       as_it_begins.kind = first_.name;
       descriptors_ = descriptorsOf(ServiceCaller<pusht_msgs::Describe>(peer_, "describe").call(as_it_begins));
@@ -79,31 +80,32 @@ class ServedNode {
   /// Throws PeerFault if the node was replaced, or the master has died.
   void requireThere() const { peer_.requireSameOwner(); }
 
-  /// The node's world with these parameters, taken over.
-  std::unique_ptr<RemoteSimulator> open(const ParameterSet& parameters) {
+  /// The node's world with these parameters, in a task, taken over.
+  std::unique_ptr<RemoteSimulator> open(const ParameterSet& parameters, const Task& task) {
     connect(true);
     Parameters changes;
     for (const auto& [name, value] : fewestSettings(parameters, defaults_)) {
       changes.push_back(parameter(name, value));
     }
-    auto world = std::make_unique<RemoteSimulator>(peer_, stamps_, first_.name, changes);
+    auto world = std::make_unique<RemoteSimulator>(peer_, stamps_, first_.name, changes, task);
     requireSameCode(world->describe());
     world->silence();
     return world;
   }
 
-  /// Parameters as the node reads them, and its provenance with them.
-  const std::pair<ParameterSet, nlohmann::json>& accepted(const ParameterSet& parameters) {
-    std::string key;
+  /// Parameters as the node reads them in a task, and its provenance with them.
+  const std::pair<ParameterSet, nlohmann::json>& accepted(const ParameterSet& parameters, const Task& task) {
+    std::string key = textOf(task);
     for (const Parameter& parameter : parameters) {
       key.append(textOf(parameter.value)).append(1, '\0');
     }
     auto known = accepted_.find(key);
     if (known == accepted_.end()) {
-      const pusht_msgs::DescribeResponse now = open(parameters)->describe();
+      const pusht_msgs::DescribeResponse now = open(parameters, task)->describe();
       nlohmann::json provenance = provenanceOf(now);
       provenance["node"] = peer_.services();
-      known = accepted_.emplace(key, std::pair(merged(defaults_, now.parameters), std::move(provenance))).first;
+      ParameterSet read = merged(ParameterSet(descriptorsOf(now)), withoutTask(now.parameters));
+      known = accepted_.emplace(key, std::pair(std::move(read), std::move(provenance))).first;
     }
     return known->second;
   }
@@ -145,14 +147,16 @@ class ServedNode {
   std::vector<ParameterDescriptor> descriptors_;
   ParameterSet defaults_;
   nlohmann::json code_;
-  std::map<std::string, std::pair<ParameterSet, nlohmann::json>> accepted_;  // by values
+  std::map<std::string, std::pair<ParameterSet, nlohmann::json>> accepted_;  // by task and values
 };
 
 /// World of a node that fails as one in this process would.
 class ServedWorld : public Simulator {
  public:
-  ServedWorld(std::shared_ptr<ServedNode> node, const ParameterSet& parameters)
-      : Simulator("", startToleranceOf(node->description())), node_(std::move(node)), world_(node_->open(parameters)) {}
+  ServedWorld(std::shared_ptr<ServedNode> node, const ParameterSet& parameters, const Task& task)
+      : Simulator("", startToleranceOf(node->description()), task),
+        node_(std::move(node)),
+        world_(node_->open(parameters, task)) {}
 
  private:
   void doReset(const WorldState& state) override {
@@ -190,10 +194,12 @@ ServedKind servedKind(const std::string& services, const NodeTimes& times, std::
   kind.version = description.version;
   kind.parameters = node->descriptors();
   kind.start_tolerance = startToleranceOf(description);
-  kind.loader = [node](const ParameterSet& asked) {
-    const auto& [parameters, provenance] = node->accepted(asked);
-    SimulatorModel model = modelOfWorlds(
-        parameters, [node, parameters = parameters] { return std::make_unique<ServedWorld>(node, parameters); });
+  kind.tasks.clear();  // the node refuses those that it does not hold
+  kind.loader = [node](const ParameterSet& asked, const Task& task) {
+    const auto& [parameters, provenance] = node->accepted(asked, task);
+    SimulatorModel model = modelOfWorlds(parameters, [node, parameters = parameters, &task] {
+      return std::make_unique<ServedWorld>(node, parameters, task);
+    });
     model.provenance = provenance;
     return model;
   };

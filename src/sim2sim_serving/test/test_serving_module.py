@@ -417,6 +417,52 @@ class Holds(SessionCase):
         self.assertEqual(self.reset().parameters_hash, configured.parameters_hash)
 
 
+class Tasks(SessionCase):
+    """A simulator with a parameter `task` holds others than full_circle."""
+
+    def setUp(self) -> None:
+        super().setUp()
+        self.session = SimulatorSession(
+            self.make_in, {"task": "gym_pusht"}, Identity("drift", "1"), "here", self.updates.append
+        )
+
+    def make_in(self, task: str) -> Drift:
+        if task == "full_circle":
+            raise ValueError("task full_circle: must be another")
+        return self.make(drift=0.5, label=task, count=3, sticky=False)
+
+    def test_actions_are_those_of_the_task(self) -> None:
+        self.reset(start=[WorldStateMessage()])
+        self.step(action=(300.0, -20.0))
+        np.testing.assert_array_equal(self.simulators[-1].actions[-1], [300.0, -20.0])
+        self.accepted(self.configure({"task": '{"name": "mine", "action_limit": 2.0}'}, True))
+        self.reset(start=[WorldStateMessage()])
+        self.step(action=(300.0, -20.0))
+        np.testing.assert_array_equal(self.simulators[-1].actions[-1], [2.0, -2.0])
+
+    def test_seeds_are_drawn_elsewhere(self) -> None:
+        words = "start: must be given in the task gym_pusht"
+        self.refused(self.session.reset(ResetRequest(seed=100000)), words)
+
+    def test_refusals_change_nothing(self) -> None:
+        for task, words in (
+            ("full_circle", "task full_circle: must be another"),
+            ("pusht", "task 'pusht': must be one of full_circle, gym_pusht, or a task's JSON"),
+            ("3", "task '3': must be one of"),
+        ):
+            with self.subTest(task):
+                self.refused(self.configure({"task": task}), words)
+                self.assertEqual(self.session.parameters, {"task": "gym_pusht"})
+
+    def test_a_policy_says_of_another_task(self) -> None:
+        def described(**arguments: str) -> List[Tuple[str, str]]:
+            policy = PolicySession(lambda rows: rows, Identity("mine", "2"), **arguments)
+            return [(each.name, each.value) for each in policy.describe().parameters]
+
+        self.assertEqual(described(task="gym_pusht"), [("task", "gym_pusht")])
+        self.assertEqual(described(), [])
+
+
 class Configurations(SessionCase):
     def test_mid_episode(self) -> None:
         self.reset(horizon=2)

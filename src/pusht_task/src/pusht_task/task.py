@@ -1,16 +1,22 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The task PushT, as far as Python needs it, with the numbers of constants.hpp in SI units."""
 
+import json
 import math
 from dataclasses import dataclass
+from typing import Optional
 
 import numpy as np
+
+from pusht_task.error import Error
 
 CONTROL_STEP = 0.1  # [s] an action is held for ten substeps
 SUBSTEP = 0.01  # [s]
 SUBSTEPS_PER_CONTROL_STEP = 10
 HORIZON = 300  # control steps after which an episode ends
 ACTION_LIMIT = 1.0  # [m/s] per axis
+FULL_CIRCLE = "full_circle"  # the task whose numbers these are
+ACTION_LIMITS = {FULL_CIRCLE: ACTION_LIMIT, "gym_pusht": None}  # None: actions are not clipped
 
 SPAWN_RADIUS_MIN = 0.10  # [m]
 SPAWN_RADIUS_MAX = 0.24  # [m]
@@ -54,6 +60,19 @@ class WorldState:
     tee_vx: float = 0.0  # [m/s] of the tee origin
     tee_vy: float = 0.0  # [m/s]
     tee_yaw_rate: float = 0.0  # [rad/s]
+
+
+def action_limit_of(task: str) -> Optional[float]:
+    """[m/s, or unit of the task's frame] Greatest action per axis of a task, from its name or the
+    JSON that a run carries; None: actions are not clipped. Raises Error for another text."""
+    if task in ACTION_LIMITS:
+        return ACTION_LIMITS[task]
+    try:
+        limit = json.loads(task)["action_limit"]
+        return None if limit is None else float(limit)
+    except (ValueError, TypeError, KeyError, RecursionError):
+        known = ", ".join(ACTION_LIMITS)
+        raise Error(f"task '{task}': must be one of {known}, or a task's JSON") from None
 
 
 def wrap_angle(angle: float) -> float:

@@ -2,6 +2,7 @@
 #include "audit/audit_run.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <iostream>
 #include <iterator>
 #include <memory>
@@ -84,6 +85,20 @@ std::vector<AuditedWorld> variantsOf(const pusht::SimulatorKind& kind, const pus
     variants.push_back({variant.name, variant.model.make_world});
   }
   return variants;
+}
+
+void requireFits(const pusht::Task& task) {
+  const pusht::Physics course;
+  const pusht::Physics& physics = task.physics;
+  const auto reach = [](const pusht::Physics& of) { return of.stem_offset + of.stem_half_length; };
+  const bool is_small = physics.bar_half_length <= course.bar_half_length && reach(physics) <= reach(course);
+  const bool is_in_middle = std::hypot(physics.wall_middle[0], physics.wall_middle[1]) < Bench::kShift;
+  const bool has_usual_limit = task.action_limit.value_or(pusht::kActionLimit) == pusht::kActionLimit;
+  if (!is_small || !is_in_middle || !has_usual_limit) {
+    throw pusht::InvalidInput("task " + task.name +
+                              ": must have a tee no larger than full_circle's, walls around the origin, and its "
+                              "action_limit or none: an audit's experiments are made for these");
+  }
 }
 
 Audit carryOut(const AuditRun& run) {

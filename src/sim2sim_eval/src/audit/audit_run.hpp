@@ -39,6 +39,9 @@ struct AuditRun {
 std::vector<AuditedWorld> variantsOf(const pusht::SimulatorKind& kind, const pusht::ParameterSet& parameters,
                                      const pusht::Task& task = pusht::fullCircle());
 
+/// Throws InvalidInput for a task for which the scenes of the experiments are not made.
+void requireFits(const pusht::Task& task);
+
 /// Carries the audit out. Once the process is interrupted no world is asked any more. Throws RuntimeFault then.
 Audit carryOut(const AuditRun& run);
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <CLI/CLI.hpp>
-#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <iostream>
@@ -41,21 +40,6 @@ struct AuditOptions {
 
 AuditedSimulator auditedOf(const LoadedSimulator& simulator) {
   return {simulator.record(), simulator.model.make_world, simulator.kind.departures};
-}
-
-/// Throws InvalidInput for a task for which the scenes of the experiments are not made.
-void requireFits(const pusht::Task& task) {
-  const pusht::Physics course;
-  const pusht::Physics& physics = task.physics;
-  const auto reach = [](const pusht::Physics& of) { return of.stem_offset + of.stem_half_length; };
-  const bool is_small = physics.bar_half_length <= course.bar_half_length && reach(physics) <= reach(course);
-  const bool is_in_middle = std::hypot(physics.wall_middle[0], physics.wall_middle[1]) < Bench::kShift;
-  const bool has_usual_limit = task.action_limit.value_or(pusht::kActionLimit) == pusht::kActionLimit;
-  if (!is_small || !is_in_middle || !has_usual_limit) {
-    throw pusht::InvalidInput("task " + task.name +
-                              ": must have a tee no larger than full_circle's, walls around the origin, and its "
-                              "action_limit or none: an audit's experiments are made for these");
-  }
 }
 
 /// Prints the audit and writes it. Throws ContractError if the contract is broken; InvalidInput for bad options or a

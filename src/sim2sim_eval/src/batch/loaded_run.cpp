@@ -81,9 +81,8 @@ WorkerFactory LoadedRun::workerFactory(const LoadedSimulator& engine) const {
     }
     return Worlds{make_reference(lanes), make_engine(lanes), one_engine ? nullptr : make_engine(lanes)};
   };
-  const auto make_policy = [make = policy_.make, reference = reference_.loop, engine = engine.loop] {
-    return pusht::looped(make(), reference, engine);
-  };
+  const auto make_policy = [make = policy_.make, reference = reference_.loop, engine = engine.loop,
+                            &task = reference_.task] { return pusht::looped(make(), reference, engine, task); };
   return {make_worlds, make_policy, [variants = variants_] { return worldsOf(variants); },
           reference_.hasOneWorld() || engine.hasOneWorld()};
 }

@@ -173,7 +173,6 @@ void requireNoLoop(const SimulatorChoice& simulator, const std::string& command)
 void setTask(const pusht::Task& task, const std::vector<std::reference_wrapper<SimulatorChoice>>& simulators) {
   for (SimulatorChoice& simulator : simulators) {
     simulator.kind.get().requireTask(task);
-    pusht::requireLoop(task, simulator.loop);
     simulator.task = task;
     simulator.parameters = simulator.kind.get().inTask(simulator.parameters, task);
     if (&task != &pusht::fullCircle()) {  // a kind may refuse values of its parameters in it

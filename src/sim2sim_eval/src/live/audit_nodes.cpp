@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -43,6 +44,7 @@ struct WorldParameters {
 struct AuditParameters {
   WorldParameters reference;
   WorldParameters engine;
+  std::reference_wrapper<const pusht::Task> task;
   bool against_task;
   std::uint64_t seed;
   std::filesystem::path out;  ///< empty: none
@@ -56,6 +58,7 @@ struct AuditParameters {
     };
     AuditParameters loaded = {WorldParameters::load(parameters, "reference"),
                               WorldParameters::load(parameters, "engine"),
+                              pusht::taskNamed(parameters.text("task", pusht::fullCircle().name)),
                               againstTask(parameters),
                               parameters.seed("seed", 0),
                               parameters.optionalText("out", "none"),
@@ -89,7 +92,7 @@ class WorldNode {
   /// Waits for the node, and makes it what is asked for. Throws as Peer::connect() and RemoteSimulator; InvalidInput if
   /// it serves a policy.
   WorldNode(const WorldParameters& world, const AuditParameters& audit)
-      : watchdog_(audit.deadline), peer_(world.services, watchdog_), request_(world.asked) {
+      : watchdog_(audit.deadline), peer_(world.services, watchdog_), task_(audit.task), request_(world.asked) {
     connect(audit.patience);
     description_ = peer_.description();
     if (description_.frame_prefix.empty()) {
@@ -100,6 +103,7 @@ class WorldNode {
   }
 
   const pusht_msgs::DescribeResponse& description() const { return description_; }
+  const pusht::Task& task() const { return task_; }
 
   /// The node as a simulator of an audit. It must outlive that.
   AuditedSimulator simulator();
@@ -109,7 +113,7 @@ class WorldNode {
     std::unique_ptr<pusht::RemoteSimulator> world;
     ask([&] {
       connect(watchdog_.deadline());  // what the node was before does not count
-      world = std::make_unique<pusht::RemoteSimulator>(peer_, stamps_, request_.kind, request_.parameters);
+      world = std::make_unique<pusht::RemoteSimulator>(peer_, stamps_, request_.kind, request_.parameters, task_);
     });
     world->silence();
     return world;
@@ -165,6 +169,7 @@ class WorldNode {
   pusht::Watchdog watchdog_;
   pusht::Peer peer_;
   pusht::StampSource stamps_;
+  const pusht::Task& task_;
   WorldRequest request_;
   pusht_msgs::DescribeResponse description_;
   bool lost_ = false;
@@ -176,7 +181,7 @@ class WorldNode {
 class NodeWorld : public pusht::Simulator {
  public:
   explicit NodeWorld(WorldNode& node)
-      : Simulator("", pusht::startToleranceOf(node.description())), node_(node), world_(node.open()) {}
+      : Simulator("", pusht::startToleranceOf(node.description()), node.task()), node_(node), world_(node.open()) {}
 
  private:
   void doReset(const pusht::WorldState& state) override {
@@ -219,10 +224,14 @@ AuditedSimulator WorldNode::simulator() {
 }
 
 /// Model variants of a node, in this process; none if its kind is not known here.
-std::vector<AuditedWorld> variantsOfNode(const pusht_msgs::DescribeResponse& reference) {
-  const pusht::SimulatorKind* const kind = kindOf(reference);
-  return kind == nullptr ? std::vector<AuditedWorld>()
-                         : variantsOf(*kind, pusht::merged(kind->defaults(), reference.parameters));
+std::vector<AuditedWorld> variantsOfNode(const WorldNode& reference) {
+  const pusht::SimulatorKind* const kind = kindOf(reference.description());
+  if (kind == nullptr) {
+    return {};
+  }
+  const pusht::Task& task = reference.task();
+  return variantsOf(*kind, pusht::merged(kind->defaults(task), pusht::withoutTask(reference.description().parameters)),
+                    task);
 }
 
 void requireTwoNodes(const WorldNode& reference, const WorldNode& engine, const AuditParameters& parameters) {
@@ -234,12 +243,14 @@ void requireTwoNodes(const WorldNode& reference, const WorldNode& engine, const 
 
 void auditNodes(const AuditParameters& parameters) {
   constexpr int kThreads = 2;
+  requireFits(parameters.task);
   AuditRun run;
+  run.task = parameters.task;
   std::optional<WorldNode> reference;
   if (!parameters.against_task) {
     reference.emplace(parameters.reference, parameters);
     run.reference = reference->simulator();
-    run.variants = variantsOfNode(reference->description());
+    run.variants = variantsOfNode(*reference);
   }
   WorldNode engine(parameters.engine, parameters);
   if (reference) {

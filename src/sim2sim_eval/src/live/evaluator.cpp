@@ -141,9 +141,6 @@ void Evaluator::runIn(RunFolder& folder, const LiveRequest& request) {
 void Evaluator::compare(LiveRequest request, RunFolder& folder) {
   request.protocol.carryTask();
   request.protocol.validate();
-  for (const WorldRequest* asked : {&request.simulators.reference, &request.simulators.engine}) {
-    pusht::requireLoop(request.protocol.runTask(), loopOf(*asked));
-  }
   request.protocol.initial_states =
       givenInitialStates(request.starts, request.protocol.firstStart(), request.protocol.starts(),
                          request.protocol.overlapping_starts, request.protocol.runTask());

@@ -66,7 +66,7 @@ void LiveNodes::connect(const Simulators& simulators, const pusht::Peer::Wait& w
   policy_peer_.connect(wait);
   requireIsPolicy(policy_peer_, simulators.task);
   policy_ = pusht::looped(std::make_unique<pusht::RemotePolicy>(policy_peer_), loopOf(simulators.reference),
-                          loopOf(simulators.engine));
+                          loopOf(simulators.engine), simulators.task);
   requireThreeWorlds();
   requireOneEngine();
 

@@ -53,12 +53,8 @@ VariantWorlds variantWorldsOf(RunOptions& protocol, const LiveNodes& nodes) {
                                (kind == nullptr ? "no such kind is installed" : "version " + kind->version + " is") +
                                "; variants run in the evaluator's process, with the reference's own kind");
   }
-  pusht::ParameterSet parameters = kind->defaults(pusht::taskNamed(protocol.task));
-  for (const pusht_msgs::Parameter& parameter : node.parameters) {
-    if (parameter.name != pusht::kTaskParameter) {
-      parameters.set(parameter.name, parameter.value);
-    }
-  }
+  const pusht::ParameterSet parameters =
+      pusht::merged(kind->defaults(pusht::taskNamed(protocol.task)), pusht::withoutTask(node.parameters));
   nameVariants(*kind, parameters, protocol);
   return worldsOf(loadVariants(*kind, parameters, protocol));
 }

@@ -17,6 +17,8 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/simulator.hpp"
 #include "pusht_task/state_fields.hpp"
+#include "pusht_task/task.hpp"
+#include "sim2sim_serving/node_parameters.hpp"
 
 namespace sim2sim::python {
 namespace {
@@ -28,6 +30,7 @@ struct Maker {
   py::object make;
   py::object world_state;  // class of the states
   std::string name;        // "python:mine"
+  bool takes_task;         // as a keyword
 };
 
 py::object asObject(const pusht::ParameterValue& value) {
@@ -78,9 +81,15 @@ pusht::WorldState stateFrom(const Maker& maker, const char* call, const py::obje
 class PythonWorld : public pusht::Simulator {
  public:
   PythonWorld(Desk& desk, std::shared_ptr<const Maker> maker, double start_tolerance,
-              const pusht::ParameterSet& parameters)
-      : Simulator(maker->name, start_tolerance), desk_(desk), maker_(std::move(maker)) {
-    at([&] { world_ = maker_->make(**keywordsOf(parameters)).release().ptr(); });
+              const pusht::ParameterSet& parameters, const pusht::Task& task)
+      : Simulator(maker->name, start_tolerance, task), desk_(desk), maker_(std::move(maker)) {
+    at([&] {
+      py::dict keywords = keywordsOf(parameters);
+      if (maker_->takes_task) {
+        keywords[pusht::kTaskParameter] = textOf(task);
+      }
+      world_ = maker_->make(**keywords).release().ptr();
+    });
   }
   PythonWorld(const PythonWorld&) = delete;
   PythonWorld& operator=(const PythonWorld&) = delete;
@@ -97,9 +106,9 @@ class PythonWorld : public pusht::Simulator {
 
   void doStep(const pusht::Action& action) override {
     at([&] {
-      py::array_t<double> velocity(kAxes);  // a new one each time: the world may keep it
-      std::copy(action.begin(), action.end(), velocity.mutable_data());
-      state_ = stateFrom(*maker_, "step", world().attr("step")(velocity));
+      py::array_t<double> numbers(kAxes);  // a new one each time: the world may keep it
+      std::copy(action.begin(), action.end(), numbers.mutable_data());
+      state_ = stateFrom(*maker_, "step", world().attr("step")(numbers));
     });
   }
 
@@ -135,7 +144,15 @@ ForeignKind kindOf(const py::object& worlds, Desk& desk) {
   kind.name = text("name");
   kind.title = text("title").empty() ? kind.name : text("title");
   kind.version = text("version");
-  for (const auto& [name, value] : worlds.attr("parameters").cast<py::dict>()) {
+  const auto parameters = worlds.attr("parameters").cast<py::dict>();
+  const bool takes_task = parameters.contains(pusht::kTaskParameter);
+  if (takes_task) {
+    kind.tasks.clear();  // the class refuses those that it does not hold
+  }
+  for (const auto& [name, value] : parameters) {
+    if (name.cast<std::string>() == pusht::kTaskParameter) {
+      continue;  // which the run has
+    }
     pusht::ParameterDescriptor parameter;
     parameter.name = name.cast<std::string>();
     parameter.default_value = valueFrom(value);
@@ -146,13 +163,14 @@ ForeignKind kindOf(const py::object& worlds, Desk& desk) {
   const std::string python = py::str(py::module_::import("platform").attr("python_version")());
   foreign.code = {{"simulator", kind.name}, {"version", kind.version}, {"provenance", {{"python", python}}}};
   const auto maker = std::make_shared<const Maker>(
-      Maker{worlds.attr("make"), py::module_::import("pusht_task.task").attr("WorldState"), foreign.name});
-  kind.loader = [&desk, maker, start_tolerance = kind.start_tolerance, python](const pusht::ParameterSet& parameters) {
-    const auto make_world = [&desk, maker, start_tolerance, parameters] {
-      return std::make_unique<PythonWorld>(desk, maker, start_tolerance, parameters);
+      Maker{worlds.attr("make"), py::module_::import("pusht_task.task").attr("WorldState"), foreign.name, takes_task});
+  kind.loader = [&desk, maker, start_tolerance = kind.start_tolerance, python](const pusht::ParameterSet& set,
+                                                                               const pusht::Task& task) {
+    const auto make_world = [&desk, maker, start_tolerance, set, &task] {
+      return std::make_unique<PythonWorld>(desk, maker, start_tolerance, set, task);
     };
     make_world();  // parameters that it refuses are refused before the run
-    pusht::SimulatorModel model = pusht::modelOfWorlds(parameters, make_world);
+    pusht::SimulatorModel model = pusht::modelOfWorlds(set, make_world);
     model.provenance = {{"python", python}, {"note", "a Python class: known by its name and version, not by its code"}};
     return model;
   };

@@ -48,6 +48,9 @@ void requireOnce(const Parameters& parameters);
 /// `changes` on top of `parameters`, which keep their order. Throws as requireOnce() for `changes`.
 Parameters changed(Parameters parameters, const Parameters& changes);
 
+/// Parameters of a simulator, out of those of its node: all but the task, which a run has.
+Parameters withoutTask(Parameters parameters);
+
 /// `changes` on top of `parameters`. Throws as requireOnce() and ParameterSet::set.
 ParameterSet merged(ParameterSet parameters, const Parameters& changes);
 

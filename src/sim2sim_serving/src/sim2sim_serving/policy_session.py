@@ -9,7 +9,9 @@ import numpy as np
 from pusht_msgs.srv import ActResponse, DescribeResponse  # type: ignore[import]
 
 from pusht_task.error import Error, ExitCode
-from sim2sim_serving.session import FOREIGN, Identity, provenance, refused, reported
+from pusht_task.task import FULL_CIRCLE
+from sim2sim_serving.parameters import parameter_messages
+from sim2sim_serving.session import FOREIGN, TASK, Identity, provenance, refused, reported
 
 # float32 [n, 10] to [n, 2], as in Query.msg and Act.srv; with a memory, [n, 10] and n memories.
 Act = Union[Callable[[np.ndarray], Any], Callable[[np.ndarray, List[Any]], Any]]
@@ -42,13 +44,15 @@ class PolicySession:
         begin: Optional[Begin] = None,
         answers: int = 1,
         stochastic: bool = False,
+        task: str = FULL_CIRCLE,
     ) -> None:
-        """`answers` is how many actions the policy answers with at a time, of which the first
+        """`task` is the one in which it acts. `answers` is how many actions the policy answers with at a time, of which the first
         ones may be executed before it looks again; a `stochastic` one draws random numbers."""
         self._policy: Callable[..., Any] = act
         self._begin = begin
         self._answers = answers
         self._noise = {"noise": {"drawn_by": "the node"}} if stochastic else {}
+        self._parameters = {} if task == FULL_CIRCLE else {TASK: task}
         self._identity = identity
         self._lock = threading.Lock()
         self._rollouts: Dict[int, Remembered] = {}
@@ -71,6 +75,7 @@ class PolicySession:
             instance_id=self._identity.instance_id,
             name=self._identity.name,
             version=self._identity.version,
+            parameters=parameter_messages(self._parameters),
             provenance=provenance(self._noise),
         )
 

@@ -35,7 +35,7 @@ from pusht_msgs.srv import Configure, ConfigureResponse, Describe, Reset, Step
 from rosgraph_msgs.msg import Clock  # type: ignore[import]
 
 from pusht_task.error import Error, ExitCode
-from pusht_task.task import PUSHER_FRAME_HEIGHT, TEE_FRAME_HEIGHT
+from pusht_task.task import FULL_CIRCLE, PUSHER_FRAME_HEIGHT, TEE_FRAME_HEIGHT
 from sim2sim_serving.parameters import Value, merged
 from sim2sim_serving.policy_session import Act, Begin, PolicySession
 from sim2sim_serving.session import FOREIGN, FailedStart, Identity
@@ -68,7 +68,8 @@ def serve_simulator(
     1e-6. One that does not say starts to 1e-6; the contract suite then asks for double precision.
     `parameters` are names with their defaults. They are private parameters of the
     node, and ~configure makes the simulator anew with others. `make` raises ValueError, with name,
-    value and rule, for a value that it does not like.
+    value and rule, for a value that it does not like. A simulator that holds other tasks has a
+    parameter `task` (world.Simulator).
     """
 
     def start(identity: Identity) -> SimulatorSession:
@@ -92,11 +93,12 @@ def serve_policy(
     begin: Optional[Begin] = None,
     answers: int = 1,
     stochastic: bool = False,
+    task: str = FULL_CIRCLE,
 ) -> int:
     """The main of a policy node: serves `act`; returns the exit code.
 
     `act` maps observations, float32 [n, 10] as in Query.msg, to n commanded pusher velocities
-    [m/s]. It treats every row alike, whatever the others are. With `begin` the policy has a memory:
+    [m/s]; in another `task` both are in its units, such as positions [px]. It treats every row alike, whatever the others are. With `begin` the policy has a memory:
     `begin(seed, execute)` makes that of a rollout, any object, and `act(observations, memories)`
     changes those of its rows. All that is random must come from the seed. A policy that plans
     ahead says with how many actions it `answers`; more than these to be executed are refused. One
@@ -105,7 +107,7 @@ def serve_policy(
 
     def start(identity: Identity) -> PolicySession:
         _private_parameters({})
-        return PolicySession(act, identity, begin, answers, stochastic)
+        return PolicySession(act, identity, begin, answers, stochastic, task)
 
     return _serve(start, {"act": ActService}, Identity(name, version))
 

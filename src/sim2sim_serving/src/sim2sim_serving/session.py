@@ -15,6 +15,7 @@ from pusht_msgs.srv import DescribeResponse  # type: ignore[import]
 from pusht_task.error import Error, ExitCode, clipped
 
 LOG = logging.getLogger("rosout")  # log of the node
+TASK = "task"  # parameter of what holds other tasks than full_circle
 FOREIGN = (Exception, SystemExit)  # what foreign code may end with; sys.exit() ends no node
 
 

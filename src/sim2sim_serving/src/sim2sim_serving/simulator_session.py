@@ -18,7 +18,14 @@ from pusht_msgs.srv import (  # type: ignore[import]
 )
 
 from pusht_task.error import Error, ExitCode
-from pusht_task.task import ACTION_LIMIT, CONTROL_STEP, HORIZON, START_TOLERANCE, WorldState
+from pusht_task.task import (
+    CONTROL_STEP,
+    FULL_CIRCLE,
+    HORIZON,
+    START_TOLERANCE,
+    WorldState,
+    action_limit_of,
+)
 from sim2sim_serving.parameters import (
     Value,
     descriptor,
@@ -28,7 +35,7 @@ from sim2sim_serving.parameters import (
     parameter_messages,
     require_once,
 )
-from sim2sim_serving.session import FOREIGN, Identity, provenance, refused, reported
+from sim2sim_serving.session import FOREIGN, TASK, Identity, provenance, refused, reported
 from sim2sim_serving.world import Simulator, made, start_of, started, state_message, stepped
 
 NANOSECONDS = 10**9  # in a second
@@ -64,6 +71,7 @@ class SimulatorSession:
         self._defaults = dict(defaults or parameters)
         self._descriptors = [descriptor(name, value) for name, value in self._defaults.items()]
         self._parameters = dict(parameters)
+        self._action_limit = action_limit_of(_task_of(self._parameters))
         self._simulator = made(make, self._parameters)
         self._identity = identity
         self._frame_prefix = frame_prefix
@@ -132,7 +140,7 @@ class SimulatorSession:
     def _reset(self, request: Any) -> ResetResponse:
         if self._last is not None and request.stamp and request == self._last_request:
             return self._last
-        start = start_of(request)
+        start = start_of(request, _task_of(self._parameters))
         stamp = self._stamp if request.silent else self._next_stamp(request)
         self._token = ""
         state = self._simulate(
@@ -175,7 +183,9 @@ class SimulatorSession:
         if not all(map(math.isfinite, request.action)):
             raise Error("action ({}, {}): must be finite".format(*request.action))
         stamp = self._stamp if self._silent else self._next_stamp(request)
-        action = [min(max(axis, -ACTION_LIMIT), ACTION_LIMIT) for axis in request.action]
+        action = list(request.action)
+        if self._action_limit is not None:
+            action = list(np.clip(action, -self._action_limit, self._action_limit))
         state = self._simulate("step", lambda: stepped(self._simulator, np.array(action)))
         self._stamp = stamp
         self._last = StepResponse(
@@ -207,8 +217,9 @@ class SimulatorSession:
             for change in request.parameters
         }
         parameters = merged(base, changes)
+        limit = action_limit_of(_task_of(parameters))
         self._simulator = made(self._make, parameters)
-        self._parameters = parameters
+        self._parameters, self._action_limit = parameters, limit
         self._token = ""
         self._close("step after configure: the world needs a reset")
         self._last = ConfigureResponse(
@@ -267,6 +278,11 @@ class SimulatorSession:
         update.header.stamp = self._last.stamp
         update.header.frame_id = f"{self._frame_prefix}/table"
         self._observer(update)
+
+
+def _task_of(parameters: Mapping[str, Value]) -> str:
+    """The task that a simulator with these parameters is of."""
+    return str(parameters.get(TASK, FULL_CIRCLE))
 
 
 def _time(nanoseconds: int) -> Time:

@@ -9,6 +9,7 @@ from pusht_msgs.msg import WorldState as WorldStateMessage  # type: ignore[impor
 
 from pusht_task.error import Error
 from pusht_task.task import (
+    FULL_CIRCLE,
     PLAUSIBLE_DISTANCE,
     PLAUSIBLE_SPEED,
     PLAUSIBLE_YAW,
@@ -32,7 +33,11 @@ class Simulator(Protocol):
         """Starts from `start`, clears all hidden state; returns the start as it is represented."""
 
     def step(self, action: np.ndarray) -> WorldState:
-        """Takes a control step with the commanded pusher velocity [m/s], float64 [2] in [-1, 1]."""
+        """Takes a control step with the commanded pusher velocity [m/s], float64 [2] in [-1, 1].
+
+        A simulator that holds other tasks has a parameter `task`, by default that of its own: the
+        name of one, or the JSON of its file. Actions are then that task's, such as positions [px].
+        """
 
 
 def made(make: Callable[..., Simulator], parameters: Mapping[str, Value]) -> Simulator:
@@ -45,11 +50,13 @@ def made(make: Callable[..., Simulator], parameters: Mapping[str, Value]) -> Sim
         raise unforeseen(error) from error
 
 
-def start_of(request: Any) -> WorldState:
+def start_of(request: Any, task: str) -> WorldState:
     """The initial state that a reset asks for. Raises Error."""
     if len(request.start) > 1:
         raise Error(f"start: {len(request.start)} states; must be one, or none for the seed")
     if not request.start:
+        if task != FULL_CIRCLE:
+            raise Error(f"start: must be given in the task {task}, whose seeds are not drawn here")
         return spawn(request.seed)
     message = request.start[0]
     numbers = {name: getattr(message, name) for name in message.__slots__}

@@ -75,8 +75,7 @@ std::string textOf(const SimulatorChoice& simulator);
 /// Throws InvalidInput if both are one foreign kind with one world.
 void requireTwoWorlds(const SimulatorChoice& reference, const SimulatorChoice& engine);
 
-/// Sets the task of simulators. Throws InvalidInput if one of their kinds does not hold it, or has a loop that is made
-/// for another one.
+/// Sets the task of simulators. Throws InvalidInput if one of their kinds does not hold it.
 void setTask(const pusht::Task& task, const std::vector<std::reference_wrapper<SimulatorChoice>>& simulators);
 
 /// Throws InvalidInput if `simulator` is asked for with a loop: `command` has no policy in a loop.

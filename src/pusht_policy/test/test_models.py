@@ -9,7 +9,7 @@ import os
 import subprocess
 import unittest
 import zipfile
-from typing import Any, Dict, List
+from typing import Any, Dict, List, Tuple
 from unittest import mock
 
 import numpy as np
@@ -38,7 +38,7 @@ from test_training import (
     write_bag,
 )
 
-DESCRIBED = ("gru", "chunk", "flow")
+DESCRIBED = ("gru", "chunk", "flow", "flow_x")
 OBSERVATIONS, ACTIONS, _ = Recipe().chunk
 
 
@@ -145,18 +145,29 @@ class Networks(unittest.TestCase):
 
     def test_a_flow_follows_its_velocity(self) -> None:
         """A constant velocity b carries noise to noise + b, which is then clamped."""
-        model = made("flow", self.frames)
         offset = torch.linspace(-0.5, 0.5, 2 * ACTIONS)
-        with torch.no_grad():
-            for parameter in model.parameters():
-                parameter.zero_()
-            list(model.parameters())[-1].copy_(offset)
-            noise = torch.randn(3, ACTIONS, 2, generator=torch.Generator().manual_seed(2))
-            found = model(torch.zeros(3, OBSERVATIONS, 10), noise)
+        model, noise, found = self.with_constant_net("flow", offset)
         y = (noise + offset.reshape(ACTIONS, 2)).clamp(-1, 1)
         self.assertGreater(int((y.abs() == 1).sum()), 3)
         expected = (y + 1) / 2 * model.act_range + model.act_min
         np.testing.assert_allclose(found.numpy(), expected.numpy(), atol=1e-6)
+
+    def test_a_flow_to_actions_ends_at_them(self) -> None:
+        """Whatever the noise is: none is left."""
+        end = torch.linspace(-0.5, 0.5, 2 * ACTIONS)
+        model, _, found = self.with_constant_net("flow_x", end)
+        expected = (end.reshape(ACTIONS, 2) + 1) / 2 * model.act_range + model.act_min
+        np.testing.assert_allclose(found.numpy(), expected.expand(3, -1, -1).numpy(), atol=1e-6)
+
+    def with_constant_net(self, name: str, answer: torch.Tensor) -> Tuple[Model, Any, Any]:
+        """A flow whose network gives one answer, noise, and its actions."""
+        model = made(name, self.frames)
+        with torch.no_grad():
+            for parameter in model.parameters():
+                parameter.zero_()
+            list(model.parameters())[-1].copy_(answer)
+            noise = torch.randn(3, ACTIONS, 2, generator=torch.Generator().manual_seed(2))
+            return model, noise, model(torch.zeros(3, OBSERVATIONS, 10), noise)
 
 
 class Training(TrainerCase):
@@ -187,13 +198,14 @@ class Training(TrainerCase):
             each.actions[:] = 1.0 if seed % 2 else -1.0
         recipe = dataclasses.replace(SMALL, epochs=200, hidden=(32, 32), learning_rate=3e-3)
         observations = torch.from_numpy(self.demonstrations[0].observations[:1]).repeat(200, 2, 1)
-        flow = self.finished(dataclasses.replace(recipe, model="flow")).script
         noise = torch.randn(200, ACTIONS, 2, generator=torch.Generator().manual_seed(3))
-        with torch.no_grad():
-            first = flow(observations, noise)[:, 0, 0]
-        for side in (first, -first):
-            self.assertGreater(int((side > 0.5).sum()), 50)
-        self.assertGreater(int((first.abs() > 0.5).sum()), 160)
+        for name in ("flow", "flow_x"):
+            flow = self.finished(dataclasses.replace(recipe, model=name)).script
+            with torch.no_grad():
+                first = flow(observations, noise)[:, 0, 0]
+            for side in (first, -first):
+                self.assertGreater(int((side > 0.5).sum()), 50, name)
+            self.assertGreater(int((first.abs() > 0.5).sum()), 160, name)
         plain = self.finished(recipe).script
         with torch.no_grad():
             self.assertLess(float(plain(observations[:, 0]).abs().max()), 0.5)
@@ -309,7 +321,7 @@ class Checkpoints(CommandCase):
     def test_an_unknown_model_is_refused(self) -> None:
         finished = self.run_command(self.command("--model", "transformer"))
         self.assert_refused(
-            finished, 2, "'transformer' (choose from 'mlp', 'gru', 'chunk', 'flow')"
+            finished, 2, "'transformer' (choose from 'mlp', 'gru', 'chunk', 'flow', 'flow_x')"
         )
 
 

@@ -124,10 +124,14 @@ class Flow(Chunked):
         x = self.inputs_of(observations).flatten(1)
         y = noise.flatten(1)
         time = torch.full_like(y[:, :1], -1.0)
-        for _ in range(self.steps):
-            y = y + self.net(torch.cat([x, y, time], 1)) / self.steps
+        for step in range(self.steps):
+            y = y + self.stride(torch.cat([x, y, time], 1), y, self.steps - step)
             time = time + 2.0 / self.steps
         return self.actions_of(y.clamp(-1.0, 1.0).reshape(noise.shape))
+
+    def stride(self, inputs: Tensor, y: Tensor, left: int) -> Tensor:
+        """Euler's next step from y, of which so many are left."""
+        return self.net(inputs) / self.steps
 
     def provenance(self) -> Dict[str, str]:
         return {
@@ -144,8 +148,31 @@ class Flow(Chunked):
         noise = torch.randn(actions.shape, generator=generator)
         time = torch.rand((len(actions), 1), generator=generator)
         y = noise + time * (actions - noise)
-        velocity = self.net(torch.cat([x, y, 2 * time - 1], 1))
-        return nn.functional.mse_loss(velocity, actions - noise)
+        found = self.net(torch.cat([x, y, 2 * time - 1], 1))
+        return nn.functional.mse_loss(found, self.wanted(actions, noise))
+
+    def wanted(self, actions: Tensor, noise: Tensor) -> Tensor:
+        """What the network is to find between noise and actions."""
+        return actions - noise
+
+
+class FlowToActions(Flow):
+    """A flow whose network gives the actions at its end (x-prediction) instead of its velocity. The
+    last step then goes to what the network gives: none of the noise is left, which a velocity
+    must hit to take it away. Tasks of millimeters need that.
+
+    Source: T. Li and K. He, "Back to Basics: Let Denoising Generative Models Denoise" (2025).
+    """
+
+    def provenance(self) -> Dict[str, str]:
+        loss = "mean squared error of normalised actions, from between noise and them"
+        return {**super().provenance(), "loss": loss}
+
+    def stride(self, inputs: Tensor, y: Tensor, left: int) -> Tensor:
+        return (self.net(inputs) - y) / left
+
+    def wanted(self, actions: Tensor, noise: Tensor) -> Tensor:
+        return actions
 
 
 def plain(recipe: Recipe, ranges: Ranges) -> Model:
@@ -159,4 +186,5 @@ MODELS: Mapping[str, Callable[[Recipe, Ranges], Model]] = {
     "gru": Recurrent,
     "chunk": Chunk,
     "flow": Flow,
+    "flow_x": FlowToActions,
 }

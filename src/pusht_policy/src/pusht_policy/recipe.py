@@ -8,7 +8,8 @@ from pusht_task.error import Error, clipped
 
 INTERFACES = ("full_circle", "gym_state", "gym_keypoints")
 MOST_STEPS = 1000  # observations and actions of a chunk
-MODELS = ("mlp", "gru", "chunk", "flow")  # models.py has what they are
+CHUNKED = ("chunk", "flow", "flow_x")
+MODELS = ("mlp", "gru", *CHUNKED)  # models.py has what they are
 MOST = {"epochs": 1_000_000, "batch": 1_000_000, "threads": 1024}  # slips of the hand are more
 MOST_HIDDEN = 10_000  # units of a layer: weights of 400 MB between two
 LARGEST_RATE = 10.0
@@ -27,7 +28,7 @@ class Recipe:
     validation_fraction: float = 0.1  # share of the demonstrations
     model: str = MODELS[0]
     interface: str = INTERFACES[0]  # what the policy sees (interface.py)
-    chunk: Tuple[int, int, int] = (2, 8, 1)  # of the models chunk and flow: observations, actions,
+    chunk: Tuple[int, int, int] = (2, 8, 1)  # of the models CHUNKED: observations, actions,
     # and how many of them are executed before the next chunk, unless a run says otherwise
 
     def check(self) -> None:
@@ -52,7 +53,7 @@ class Recipe:
             raise Error(f"interface is {self.interface}; it must be one of {known}")
         if self.interface != INTERFACES[0] and self.model == "gru":
             raise Error(f"model is gru; with the interface {self.interface} it must be another")
-        if self.chunk != Recipe.chunk and self.model not in ("chunk", "flow"):
+        if self.chunk != Recipe.chunk and self.model not in CHUNKED:
             raise Error(f"chunk: must be left out with the model {self.model}")
         observations, actions, execute = self.chunk
         if not (1 <= observations <= MOST_STEPS and 1 <= execute <= actions <= MOST_STEPS):

@@ -9,7 +9,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
-#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -25,8 +24,8 @@ constexpr const char* kLoopPreset = "preset";
 
 /// Values of the parameters, in the units of a task's observations and actions.
 struct Loop {
-  Loop(const ParameterSet& set, const Task& its_task)
-      : task(its_task),
+  Loop(const ParameterSet& set, const Task& of_task)
+      : task(of_task),
         observation_delay(static_cast<std::size_t>(set.get<std::int64_t>("observation_delay"))),
         action_delay(static_cast<std::size_t>(set.get<std::int64_t>("action_delay"))),
         hold(set.get<std::int64_t>("hold")),
@@ -40,9 +39,9 @@ struct Loop {
   std::size_t action_delay;
   std::int64_t hold;
   double action_scale;
-  double position_noise;
-  double yaw_noise;
-  double action_noise;
+  double position_noise;  // [unit of the task's frame]
+  double yaw_noise;       // [rad]
+  double action_noise;    // [unit of the task's actions]
 };
 
 /// Normal numbers of one stream of a rollout.
@@ -65,10 +64,11 @@ Action clippedIfFinite(const Action& command, const Task& task) {
   return isFinite(command) ? clip(command, task) : command;
 }
 
-/// Pusher, tee as a world shows them.
+/// Observation of a world, and the state behind it.
 struct Shown {
   Observation observation{};
-  std::optional<WorldState> state{};  ///< none: the observation came over a node
+  bool has_state = false;  ///< not if the observation came over a node
+  WorldState state{};
 };
 
 /// Errors of a sensor, in the units and the frame of a task's observations.
@@ -114,10 +114,9 @@ class LoopMemory : public Policy::Memory {
   /// What the policy is asked now that the world shows what `query` has.
   Policy::Query queryOf(const Policy::Query& query) {
     rest_ = restAt(query.observation);
-    const Shown now =
-        measured({query.observation, query.state != nullptr ? std::optional(*query.state) : std::nullopt});
+    const Shown now = measured(query);
     seen_ = observations_.pass(now, now);
-    return {seen_.observation, memory_.get(), seen_.state ? &*seen_.state : nullptr};
+    return {seen_.observation, memory_.get(), seen_.has_state ? &seen_.state : nullptr};
   }
 
   /// Whether the policy acts in this control step.
@@ -151,14 +150,13 @@ class LoopMemory : public Policy::Memory {
   Action scaled(const Action& command) const {
     Action scaled{};
     for (std::size_t axis = 0; axis < command.size(); ++axis) {
-      const double from = commandsPositions() ? rest_[axis] : 0.0;
-      const double way = (command[axis] - from) * loop_.action_scale;
-      scaled[axis] = static_cast<float>(commandsPositions() ? from + way : way);  // 0 + -0 would lose a sign
+      const double way = (command[axis] - rest_[axis]) * loop_.action_scale;
+      scaled[axis] = static_cast<float>(commandsPositions() ? rest_[axis] + way : way);  // 0 + -0 would lose a sign
     }
     return scaled;
   }
 
-  Shown measured(const Shown& truth) {
+  Shown measured(const Policy::Query& truth) {
     SensorError error;
     if (position_noise_.isOn()) {
       std::generate(error.positions.begin(), error.positions.end(), [&] { return position_noise_.next(); });
@@ -166,8 +164,8 @@ class LoopMemory : public Policy::Memory {
     if (yaw_noise_.isOn()) {
       error.yaw = yaw_noise_.next();
     }
-    Shown shown = {measured(truth.observation, error), {}};
-    if (truth.state) {
+    Shown shown = {measured(truth.observation, error), truth.state != nullptr, {}};
+    if (shown.has_state) {
       shown.state = measured(*truth.state, error);
     }
     return shown;

@@ -21,6 +21,7 @@ from live_support import LiveCase, Process, free_port
 
 MOST = 60.0  # [s] that an audit of the suite's own simulators may take, its nodes' start included
 AUDIT = LAUNCHES / "audit.launch"
+BIG_TEE = LAUNCHES.parent / "config" / "big_tee.json"
 DEADLINE = "_deadline:=2"  # [s]
 
 
@@ -68,6 +69,11 @@ class Launches(LiveCase):
                 "engine": "gym_pusht",
                 "engine_parameters": "preset=sound",
                 "against": "task",
+                "task": "gym_pusht",
+            },
+            "--reference chipmunk --engine rigid_body --task gym_pusht": {
+                "reference": "chipmunk",
+                "engine": "rigid_body",
                 "task": "gym_pusht",
             },
         }
@@ -256,6 +262,8 @@ class OwnNodes(LiveCase):
             ("_engine_parameters:=x", "engine_parameters 'x': must be NAME=VALUE"),
             ("_seed:=-1", "seed -1: must be an integer from 0"),
             ("_deadline:=0", "deadline 0: must be finite and > 0"),
+            (f"_task:={BIG_TEE}", "task big_tee: must have a tee no larger than full_circle's"),
+            ("_task:=pusht", "task 'pusht': must be one of: full_circle, gym_pusht; or a file"),
         ):
             with self.subTest(argument):
                 shared_master().forget(keep=set())

@@ -113,24 +113,24 @@ class Bytes(Served):
         self.assert_same_results("in_process", "served")
 
     def test_in_another_task_of_a_kind(self) -> None:
-        """A number of the task is set, too; then the node is asked for the course's again."""
-        kinds = {"reference": "gym_pusht", "engine": "rigid_body"}
-        for role, kind in kinds.items():
-            self.start_node(
-                node_file("sim2sim_eval", "simulator_node"), role, arguments=[f"_kind:={kind}"]
-            )
-        here = ["--reference", "gym_pusht", "--engine", "rigid_body", "--reanchor=5"]
-        there = ["--reference", "node:/reference", "--engine", "node:/engine", "--reanchor=5"]
+        """A number of the task has full_circle's value; then the node is asked for the course's."""
+        for role, kind in (("reference", "gym_pusht"), ("engine", "mujoco")):
+            command = node_file("sim2sim_eval", "simulator_node")
+            self.start_node(command, role, arguments=[f"_kind:={kind}"])
+        setting = ("--set", "tee_body_mass=0.105", "--reanchor=5")
+        here = ("--reference", "gym_pusht", "--engine", "mujoco", *setting)
+        there = ("--reference", "node:/reference", "--engine", "node:/engine", *setting)
         self.succeed(COMPARE, *IN_PIXELS, *here, "--out", "here")
         self.succeed(COMPARE, *IN_PIXELS, *there, "--out", "there", environment=self.environment)
         self.assert_same_results("here", "there")
-        alone = (COMPARE, *SHORT, "--reference", "mujoco", "--engine")
-        self.succeed(*alone, "rigid_body", "--out", "course")
+        record = self.load("there", "metrics.json")["knobs"]
+        self.assertEqual(record["tee_body_mass"], 0.105)
+        alone = (COMPARE, *SHORT, "--reference", "rigid_body", "--engine")
+        self.succeed(*alone, "mujoco", "--out", "course")
         self.succeed(*alone, "node:/engine", "--out", "again", environment=self.environment)
         self.assert_same_results("course", "again")
-        there[:2] = ["--reference", "mujoco"]
-        there[3] = "node:/reference"
         words = "task full_circle: the kind gym_pusht holds only gym_pusht"
+        there = ("--reference", "mujoco", "--engine", "node:/reference")
         self.assertIn(words, self.refused(2, COMPARE, *SHORT, *there))
 
     def test_in_another_task_of_a_class(self) -> None:

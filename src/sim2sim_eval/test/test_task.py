@@ -99,10 +99,11 @@ class Tasks(CommandCase):
 
     def test_a_loop_is_in_the_units_of_the_task(self) -> None:
         """A tracker's 2 mm are 2 px: a planner bears them, but not 20 of them."""
-        run = ("--task", "gym_pusht", "--policy", "planner", "--reference", "gym_pusht")
-        run = (*run, "--engine", "none", "--episodes", "8")
+        kinds = ("--policy", "planner", "--reference", "gym_pusht", "--engine", "none")
         succeeded = [
-            self.compare(name, *run, *loop)["reference_success_rate"]
+            self.compare(name, "--task", "gym_pusht", *kinds, *loop, "--episodes", "8")[
+                "reference_success_rate"
+            ]
             for name, loop in (
                 ("plain", ()),
                 ("tracker", ("--loop", "tracker")),

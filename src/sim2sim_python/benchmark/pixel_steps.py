@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Control steps per second of gym-pusht's environment in one thread: states and images, one world
-and 64 at once. The action changes in every step, so that no image is drawn before."""
+"""Control steps per second of gym-pusht's environment: states and images, one world and 64 at once,
+whose images all cores draw. The action changes in every step, so that no image is drawn before."""
 
 import time
 from typing import Any

@@ -4,10 +4,13 @@
 
 import json
 import os
+import select
+import signal
 import subprocess
 import sys
 import unittest
 import warnings
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterator, List, Tuple
@@ -38,6 +41,8 @@ except ImportError:
     needs_pictures = unittest.skip("pygame or OpenCV cannot be imported here")
 
 DATA = Path(__file__).resolve().parents[2] / "pusht_testing" / "data"
+NUMBERS = np.random.default_rng(2).uniform(50, 450, (48, 18))  # of images
+MOST = 30.0  # [s] that a process may take to start or end
 OBS_TYPES = ("state", "environment_state_agent_pos", "pixels", "pixels_agent_pos")
 TURN = 2.0 * np.pi
 
@@ -59,13 +64,18 @@ def assert_same(one: Any, other: Any) -> None:
 
 
 @contextmanager
-def three_cores() -> Iterator[Callable[[], List[Any]]]:
-    """Two processes that draw beside this one, from the first batch on; gives them."""
-    fresh = renderers.Renderers()
+def two_renderers() -> Iterator[renderers.Renderers]:
+    """Two processes beside this one, which draw."""
     with mock.patch.object(os, "sched_getaffinity", return_value={0, 1, 2}):
-        with mock.patch.object(renderers, "images", fresh.images):
-            yield lambda: fresh.others
-    fresh.end()
+        drawing = renderers.Renderers()
+    try:
+        drawing.images(NUMBERS, 96, 96)
+        assert len(drawing.others) == 2
+        assert all(renderer.is_ready(patience=MOST) for renderer in drawing.others)
+        with mock.patch.object(renderers, "images", drawing.images):
+            yield drawing
+    finally:
+        drawing.end()
 
 
 class AsRecorded(unittest.TestCase):
@@ -239,32 +249,6 @@ class Environment(unittest.TestCase):
             assert_array_equal(past[0], [alone[max(step - 1, 0)], alone[step]])
 
     @needs_pictures
-    def test_images_of_many_worlds_are_those_of_each(self) -> None:
-        """Several processes draw them."""
-        states = np.random.default_rng(1).uniform(50, 450, (67, 7))
-        alone = [Sight("pixels", 80, 60).of(state[np.newaxis])[0] for state in states]
-        with three_cores() as others:
-            sight = Sight("pixels", 80, 60)
-            sight.of(states + 1.0)
-            while not all(renderer.is_ready() for renderer in others()):
-                pass
-            with mock.patch.object(pictures, "images", wraps=pictures.images) as here:
-                assert_array_equal(sight.of(states), alone)
-            self.assertEqual(len(here.call_args.args[0]), 23)
-            self.assertEqual(len(others()), 2)
-
-    @needs_pictures
-    def test_a_renderer_that_ends_is_named(self) -> None:
-        states = np.random.default_rng(1).uniform(50, 450, (32, 7))
-        with three_cores() as others:
-            Sight("pixels").of(states)
-            others()[1].process.kill()
-            others()[1].process.wait()
-            with self.assertRaisesRegex(sim2sim.RuntimeFault, "renderer: process .* status -9"):
-                Sight("pixels").of(states)
-            assert_array_equal(Sight("pixels").of(states)[5], Sight("pixels").of(states[5:6])[0])
-
-    @needs_pictures
     def test_a_picture_for_people_marks_the_action(self) -> None:
         env = PushTEnv()
         env.reset(seed=1)
@@ -336,6 +320,90 @@ class Environment(unittest.TestCase):
         ).stdout
         self.assertIn("need pygame and OpenCV (Debian's python3-pygame and python3-opencv)", said)
         self.assertEqual(said.count("\n"), 1)
+
+
+@needs_pictures
+class ManyImages(unittest.TestCase):
+    """Several processes draw them."""
+
+    STATES = np.random.default_rng(1).uniform(50, 450, (67, 7))
+    PROGRAM = (
+        "import os, sys\n"
+        "os.sched_getaffinity = lambda process: {0, 1}\n"
+        "import numpy as np\n"
+        "from sim2sim import renderers\n"
+        "renderers.images(np.full((32, 18), 100.0), 96, 96)\n"
+        "print(renderers._renderers_of(os.getpid()).others[0].process.pid, flush=True)\n"
+        "sys.stdin.read()\n"
+    )
+
+    def alone(self) -> List[Any]:
+        return [Sight("pixels", 80, 60).of(state[np.newaxis])[0] for state in self.STATES]
+
+    def test_are_those_of_each(self) -> None:
+        with two_renderers():
+            with mock.patch.object(pictures, "images", wraps=pictures.images) as here:
+                assert_array_equal(Sight("pixels", 80, 60).of(self.STATES), self.alone())
+            self.assertEqual(len(here.call_args_list[0].args[0]), 23)
+
+    def test_threads_do_not_disturb_each_other(self) -> None:
+        alone = self.alone()
+        with ThreadPoolExecutor(4) as pool:
+            found = pool.map(lambda _: Sight("pixels", 80, 60).of(self.STATES), range(8))
+        for images in found:
+            assert_array_equal(images, alone)
+
+    def test_a_renderer_that_ends_is_named(self) -> None:
+        """Before it is asked, and before it answers; the next batch is drawn as usual."""
+        with two_renderers() as drawing:
+            dead = drawing.others[1].process
+            dead.kill()
+            dead.wait()
+            with self.assertRaisesRegex(sim2sim.RuntimeFault, f"process {dead.pid} .* status -9"):
+                Sight("pixels").of(self.STATES)
+            assert_array_equal(Sight("pixels", 80, 60).of(self.STATES), self.alone())
+        with two_renderers() as drawing:
+            renderer = drawing.others[0]
+            renderer.process.send_signal(signal.SIGSTOP)
+            renderer.ask(NUMBERS, 96, 96)
+            renderer.process.kill()
+            with self.assertRaisesRegex(sim2sim.RuntimeFault, "renderer: process .* status -9"):
+                renderer.answer(np.empty((len(NUMBERS), 96, 96, 3), np.uint8))
+
+    def test_one_that_cannot_start_is_not_asked(self) -> None:
+        with mock.patch.object(renderers, "PROGRAM", "raise SystemExit(3)"):
+            renderer = renderers.Renderer()
+        self.addCleanup(renderer.end)
+        self.assertFalse(renderer.is_ready(patience=MOST))
+        self.assertFalse(renderer.is_ready())
+
+    def test_without_further_processes_this_one_draws(self) -> None:
+        with mock.patch.object(os, "sched_getaffinity", return_value={0, 1, 2}):
+            drawing = renderers.Renderers()
+        with mock.patch.object(subprocess, "Popen", side_effect=BlockingIOError) as started:
+            for _ in range(2):
+                images = drawing.images(NUMBERS, 96, 96)
+        self.assertEqual(started.call_count, 1)
+        assert_array_equal(images, pictures.images(NUMBERS, 96, 96))
+
+    def test_end_with_their_program(self) -> None:
+        """In order, and killed."""
+        for kills in (False, True):
+            with self.subTest(kills=kills):
+                program = subprocess.Popen(
+                    [sys.executable, "-c", self.PROGRAM],
+                    stdin=subprocess.PIPE,
+                    stdout=subprocess.PIPE,
+                    text=True,
+                )
+                self.addCleanup(program.communicate)
+                assert program.stdout is not None
+                renderer = os.pidfd_open(int(program.stdout.readline()))
+                self.addCleanup(os.close, renderer)
+                if kills:
+                    program.kill()
+                program.communicate()
+                self.assertEqual(select.select([renderer], [], [], MOST)[0], [renderer])
 
 
 class Compared(unittest.TestCase):

@@ -15,7 +15,7 @@ from typing import Any, Dict, List
 import numpy as np
 import sim2sim
 from numpy.typing import NDArray
-from pusht_task.task import WorldState
+from pusht_task.task import ACTION_LIMITS, WorldState
 
 SHORT: Dict[str, Any] = {"episodes": 3, "horizon": 12, "floor": False}
 
@@ -55,6 +55,24 @@ class Floating:
         self.state = replace(
             self.state, pusher_x=pusher[0], pusher_y=pusher[1], pusher_vx=vx, pusher_vy=vy
         )
+        return self.state
+
+
+class InTasks:
+    """A tee and a pusher that nothing moves, in any task; keeps tasks and actions."""
+
+    tasks: List[str] = []
+    actions: List[List[float]] = []
+
+    def __init__(self, task: str = "gym_pusht") -> None:
+        self.tasks.append(task)
+
+    def reset(self, start: WorldState) -> WorldState:
+        self.state = start
+        return start
+
+    def step(self, action: NDArray[np.float64]) -> WorldState:
+        self.actions.append(action.tolist())
         return self.state
 
 
@@ -139,6 +157,29 @@ class Simulators(unittest.TestCase):
         )
         with self.assertRaisesRegex(sim2sim.InvalidInput, "name 'a b': must be a word"):
             sim2sim.worlds(Floating, name="a b")
+
+    def test_a_class_holds_tasks(self) -> None:
+        """Of each it gets the actions, clipped as nodes in Python do."""
+
+        def far(observations: NDArray[np.float32]) -> NDArray[np.float32]:
+            return np.full((len(observations), 2), (300.0, -300.0), np.float32)
+
+        with self.assertRaisesRegex(sim2sim.InvalidInput, "task 'none': must be one of") as refusal:
+            sim2sim.compare(far, task="none", **SHORT)
+        self.assertIn(", ".join(ACTION_LIMITS) + ";", str(refusal.exception))
+        for task, limit in ACTION_LIMITS.items():
+            with self.subTest(task):
+                InTasks.tasks, InTasks.actions = [], []
+                named: Dict[str, Any] = {"task": task, "reference": InTasks, "engine": "none"}
+                found = sim2sim.compare(far, **named, **SHORT)
+                self.assertEqual(set(InTasks.tasks), {task})
+                reach = 300.0 if limit is None else limit
+                self.assertEqual(InTasks.actions, [[reach, -reach]] * 36)
+                self.assertNotIn("task", found.provenance["reference"])
+        with self.assertRaisesRegex(sim2sim.InvalidInput, "task gym_pusht: the kind Floating"):
+            sim2sim.compare(far, task="gym_pusht", reference=Floating, engine="none", **SHORT)
+        with self.assertRaisesRegex(sim2sim.InvalidInput, "task 3: must be a text"):
+            sim2sim.worlds(InTasks, parameters={"task": 3})
 
     def test_a_version_lets_a_run_go_on(self) -> None:
         for version, goes_on in (("1", True), ("", False)):

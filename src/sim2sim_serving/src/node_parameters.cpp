@@ -21,6 +21,8 @@
 namespace pusht {
 namespace {
 
+bool isTask(const pusht_msgs::Parameter& parameter) { return parameter.name == kTaskParameter; }
+
 using XmlRpc::XmlRpcValue;
 
 /// Private parameters that this process has set. Of the main thread, which spins.
@@ -163,10 +165,13 @@ Parameters changed(Parameters parameters, const Parameters& changes) {
   return parameters;
 }
 
+std::optional<std::string> taskIn(const Parameters& parameters) {
+  const auto said = std::find_if(parameters.begin(), parameters.end(), isTask);
+  return said == parameters.end() ? std::nullopt : std::optional(said->value);
+}
+
 Parameters withoutTask(Parameters parameters) {
-  parameters.erase(std::remove_if(parameters.begin(), parameters.end(),
-                                  [](const auto& parameter) { return parameter.name == kTaskParameter; }),
-                   parameters.end());
+  parameters.erase(std::remove_if(parameters.begin(), parameters.end(), isTask), parameters.end());
   return parameters;
 }
 

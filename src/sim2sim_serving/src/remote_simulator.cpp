@@ -25,8 +25,6 @@ typename Service::Response answerOf(ServiceCaller<Service>& caller, const typena
   }
 }
 
-bool isTask(const pusht_msgs::Parameter& parameter) { return parameter.name == kTaskParameter; }
-
 /// Sets the task among the `changes` of a node, unless that is full_circle and the node says of no other.
 void setTask(const Task& task, bool says_task, Parameters& changes) {
   changes = withoutTask(std::move(changes));
@@ -78,7 +76,7 @@ RemoteSimulator::RemoteSimulator(const Peer& peer, const StampSource& stamps,
       step_(peer, "step"),
       kind_(peer.description().name),
       version_(description.version),
-      says_task_(std::any_of(description.parameters.begin(), description.parameters.end(), isTask)),
+      says_task_(taskIn(description.parameters).has_value()),
       parameters_hash_(peer.description().parameters_hash) {}
 
 // Delegates, so that the destructor lets go of a world that refuses what follows.
@@ -89,8 +87,9 @@ RemoteSimulator::RemoteSimulator(const Peer& peer, StampSource& stamps, const st
   stamps.raiseTo(peer.description().stamp);
   stamps.advance();
   silent_ = true;                     // what is shown of the last run stays, should this one not begin
-  pusht_msgs::ResetRequest anywhere;  // a start, as the node's task of now may have no seeds
-  anywhere.start = {toMessage(spawn(task.first_spawn_seed, task))};
+  pusht_msgs::ResetRequest anywhere;  // a start, as nodes need not have the seeds of other tasks than full_circle
+  const Task& now = taskNamed(taskIn(peer.description().parameters).value_or(fullCircle().name));
+  anywhere.start = {toMessage(spawn(now.first_spawn_seed, now))};
   requireParameters(take(anywhere).parameters_hash);
   silent_ = false;
   if (!kind.empty() || !changes.empty()) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "pusht_task/error.hpp"
+#include "pusht_task/physics_numbers.hpp"
 #include "sim2sim_serving/conversions.hpp"
 #include "sim2sim_serving/node.hpp"
 #include "sim2sim_serving/node_parameters.hpp"
@@ -30,21 +31,24 @@ nlohmann::json codeOf(const pusht_msgs::DescribeResponse& node) {
   return {{"simulator", node.name}, {"version", node.version}, {"provenance", provenance}};
 }
 
+/// Whether it is a number of the task, as those of this suite's kinds are: by its name and full_circle's value.
+bool isOfTask(const ParameterDescriptor& descriptor) {
+  const std::vector<PhysicsNumber>& numbers = physicsNumbers();
+  return std::any_of(numbers.begin(), numbers.end(), [&](const PhysicsNumber& number) {
+    return number.descriptor.name == descriptor.name && number.descriptor.default_value == descriptor.default_value;
+  });
+}
+
 /// Parameters that a node describes, but for the task: a run has that, not a simulator.
 std::vector<ParameterDescriptor> descriptorsOf(const pusht_msgs::DescribeResponse& node) {
   std::vector<ParameterDescriptor> descriptors;
-  for (const pusht_msgs::ParameterDescriptor& descriptor : node.parameter_descriptors) {
-    if (descriptor.name != kTaskParameter) {
-      descriptors.push_back(fromMessage(descriptor));
+  for (const pusht_msgs::ParameterDescriptor& message : node.parameter_descriptors) {
+    if (message.name != kTaskParameter) {
+      descriptors.push_back(fromMessage(message));
+      descriptors.back().of_task = isOfTask(descriptors.back());
     }
   }
   return descriptors;
-}
-
-/// Whether a node says of a task, as those in another one than full_circle do.
-bool saysTask(const pusht_msgs::DescribeResponse& node) {
-  return std::any_of(node.parameters.begin(), node.parameters.end(),
-                     [](const auto& parameter) { return parameter.name == kTaskParameter; });
 }
 
 /// Node of a simulator. One thread at a time has it.
@@ -62,19 +66,17 @@ class ServedNode {
                           std::to_string(first_.parameters.size()) +
                           " parameters: must describe all, so that their defaults are known");
     }
-    if (saysTask(first_)) {  // some caller has left it in a task, in which its numbers are others
-      pusht_msgs::DescribeRequest as_it_begins;
-      as_it_begins.kind = first_.name;
-      descriptors_ = descriptorsOf(ServiceCaller<pusht_msgs::Describe>(peer_, "describe").call(as_it_begins));
-    } else {
-      descriptors_ = descriptorsOf(first_);
-    }
-    defaults_ = ParameterSet(descriptors_);
+    kind_.name = first_.name;
+    kind_.title = first_.title.empty() ? first_.name : first_.title;
+    kind_.version = first_.version;
+    kind_.parameters = descriptorsOf(taskIn(first_.parameters) ? asItBegins() : first_);
+    kind_.start_tolerance = startToleranceOf(first_);
+    kind_.tasks.clear();  // the node refuses those that it does not hold
     code_ = codeOf(first_);
   }
 
-  const pusht_msgs::DescribeResponse& description() const { return first_; }
-  const std::vector<ParameterDescriptor>& descriptors() const { return descriptors_; }
+  /// The kind that it serves, but for its loader.
+  const SimulatorKind& kind() const { return kind_; }
   const nlohmann::json& code() const { return code_; }
 
   /// Throws PeerFault if the node was replaced, or the master has died.
@@ -84,7 +86,7 @@ class ServedNode {
   std::unique_ptr<RemoteSimulator> open(const ParameterSet& parameters, const Task& task) {
     connect(true);
     Parameters changes;
-    for (const auto& [name, value] : fewestSettings(parameters, defaults_)) {
+    for (const auto& [name, value] : fewestSettings(parameters, kind_.defaults(task))) {
       changes.push_back(parameter(name, value));
     }
     auto world = std::make_unique<RemoteSimulator>(peer_, stamps_, first_.name, changes, task);
@@ -95,7 +97,7 @@ class ServedNode {
 
   /// Parameters as the node reads them in a task, and its provenance with them.
   const std::pair<ParameterSet, nlohmann::json>& accepted(const ParameterSet& parameters, const Task& task) {
-    std::string key = textOf(task);
+    std::string key = textOf(task) + '\0';
     for (const Parameter& parameter : parameters) {
       key.append(textOf(parameter.value)).append(1, '\0');
     }
@@ -111,6 +113,14 @@ class ServedNode {
   }
 
  private:
+  /// What the node says of itself in the task in which it begins: some caller has left it in another, in which its
+  /// numbers have other defaults.
+  pusht_msgs::DescribeResponse asItBegins() {
+    pusht_msgs::DescribeRequest request;
+    request.kind = first_.name;
+    return ServiceCaller<pusht_msgs::Describe>(peer_, "describe").call(request);
+  }
+
   /// Waits for the node; a dead one may come back if it was there `before`.
   void connect(bool before) {
     becomeNode();
@@ -144,8 +154,7 @@ class ServedNode {
   StampSource stamps_;
   bool in_vain_ = false;  // whether the last wait was
   pusht_msgs::DescribeResponse first_;
-  std::vector<ParameterDescriptor> descriptors_;
-  ParameterSet defaults_;
+  SimulatorKind kind_;
   nlohmann::json code_;
   std::map<std::string, std::pair<ParameterSet, nlohmann::json>> accepted_;  // by task and values
 };
@@ -154,7 +163,7 @@ class ServedNode {
 class ServedWorld : public Simulator {
  public:
   ServedWorld(std::shared_ptr<ServedNode> node, const ParameterSet& parameters, const Task& task)
-      : Simulator("", startToleranceOf(node->description()), task),
+      : Simulator("", node->kind().start_tolerance, task),
         node_(std::move(node)),
         world_(node_->open(parameters, task)) {}
 
@@ -187,14 +196,7 @@ class ServedWorld : public Simulator {
 
 ServedKind servedKind(const std::string& services, const NodeTimes& times, std::function<bool()> stop) {
   const auto node = std::make_shared<ServedNode>(serviceName("node", services), times, std::move(stop));
-  const pusht_msgs::DescribeResponse& description = node->description();
-  SimulatorKind kind;
-  kind.name = description.name;
-  kind.title = description.title.empty() ? description.name : description.title;
-  kind.version = description.version;
-  kind.parameters = node->descriptors();
-  kind.start_tolerance = startToleranceOf(description);
-  kind.tasks.clear();  // the node refuses those that it does not hold
+  SimulatorKind kind = node->kind();
   kind.loader = [node](const ParameterSet& asked, const Task& task) {
     const auto& [parameters, provenance] = node->accepted(asked, task);
     SimulatorModel model = modelOfWorlds(parameters, [node, parameters = parameters, &task] {

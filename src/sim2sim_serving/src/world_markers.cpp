@@ -222,14 +222,15 @@ Caption captionOf(const pusht_msgs::DescribeResponse& description) {
   Caption caption;
   caption.title = description.title.empty() ? description.name : description.title;
   const auto& known = description.parameter_descriptors;
-  for (const pusht_msgs::Parameter& parameter : description.parameters) {
+  if (const std::optional<std::string> task = taskIn(description.parameters)) {
+    caption.task = taskNamed(*task);
+    caption.settings.push_back("task " + caption.task.get().name);
+  }
+  for (const pusht_msgs::Parameter& parameter : withoutTask(description.parameters)) {
     const bool is_default = std::any_of(known.begin(), known.end(), [&](const auto& descriptor) {
       return descriptor.name == parameter.name && descriptor.default_value == parameter.value;
     });
-    if (parameter.name == kTaskParameter) {
-      caption.task = taskNamed(parameter.value);
-      caption.settings.push_back("task " + caption.task.get().name);
-    } else if (!is_default) {
+    if (!is_default) {
       caption.settings.push_back(parameter.name + " " + parameter.value);
     }
   }

@@ -455,12 +455,14 @@ class Tasks(SessionCase):
                 self.assertEqual(self.session.parameters, {"task": "gym_pusht"})
 
     def test_a_policy_says_of_another_task(self) -> None:
-        def described(**arguments: str) -> List[Tuple[str, str]]:
-            policy = PolicySession(lambda rows: rows, Identity("mine", "2"), **arguments)
+        def described(task: str) -> List[Tuple[str, str]]:
+            policy = PolicySession(lambda rows: rows, Identity("mine", "2"), task=task)
             return [(each.name, each.value) for each in policy.describe().parameters]
 
-        self.assertEqual(described(task="gym_pusht"), [("task", "gym_pusht")])
-        self.assertEqual(described(), [])
+        self.assertEqual(described("gym_pusht"), [("task", "gym_pusht")])
+        self.assertEqual(described("full_circle"), [])
+        with self.assertRaisesRegex(Error, "task 'gym_push': must be one of"):
+            described("gym_push")
 
 
 class Configurations(SessionCase):

@@ -130,7 +130,7 @@ class Flow(Chunked):
         return self.actions_of(y.clamp(-1.0, 1.0).reshape(noise.shape))
 
     def stride(self, inputs: Tensor, y: Tensor, left: int) -> Tensor:
-        """Euler's next step from y, of which so many are left."""
+        """Euler's step from y; so many are left, this one included."""
         return self.net(inputs) / self.steps
 
     def provenance(self) -> Dict[str, str]:
@@ -148,30 +148,29 @@ class Flow(Chunked):
         noise = torch.randn(actions.shape, generator=generator)
         time = torch.rand((len(actions), 1), generator=generator)
         y = noise + time * (actions - noise)
-        found = self.net(torch.cat([x, y, 2 * time - 1], 1))
-        return nn.functional.mse_loss(found, self.wanted(actions, noise))
+        prediction = self.net(torch.cat([x, y, 2 * time - 1], 1))
+        return nn.functional.mse_loss(prediction, self.target(actions, noise))
 
-    def wanted(self, actions: Tensor, noise: Tensor) -> Tensor:
-        """What the network is to find between noise and actions."""
+    def target(self, actions: Tensor, noise: Tensor) -> Tensor:
+        """What the network predicts between noise and actions."""
         return actions - noise
 
 
 class FlowToActions(Flow):
-    """A flow whose network gives the actions at its end (x-prediction) instead of its velocity. The
-    last step then goes to what the network gives: none of the noise is left, which a velocity
-    must hit to take it away. Tasks of millimeters need that.
+    """A flow whose network predicts the actions at its end (x-prediction) instead of the velocity.
+    The last step goes to the prediction, so none of the noise is left in the actions.
 
-    Source: T. Li and K. He, "Back to Basics: Let Denoising Generative Models Denoise" (2025).
+    The loss is that of the actions: the velocity's, with the weight (1 - time)^2.
     """
 
     def provenance(self) -> Dict[str, str]:
-        loss = "mean squared error of normalised actions, from between noise and them"
+        loss = "mean squared error of the normalised actions, predicted between noise and actions"
         return {**super().provenance(), "loss": loss}
 
     def stride(self, inputs: Tensor, y: Tensor, left: int) -> Tensor:
         return (self.net(inputs) - y) / left
 
-    def wanted(self, actions: Tensor, noise: Tensor) -> Tensor:
+    def target(self, actions: Tensor, noise: Tensor) -> Tensor:
         return actions
 
 

@@ -45,8 +45,8 @@ void setOfLoop(ParameterSet& loop, const std::string& name, const std::string& t
 /// stream for each kind of noise, so a parameter changes the size of its noise and no other number. It is `policy`
 /// itself if both loops are plain. A role whose loop is plain has the policy's actions, to the last bit.
 /// Commands that are not finite stay so, for the protocol to refuse.
-/// In a task whose commands are positions, noise of the actuator is as much as changes the pusher's speed by the
-/// parameter's m/s.
+/// In a task whose commands are positions, noise of the actuator is the noise of positions that changes the pusher's
+/// steady speed by `action_noise`. `task` must outlive the policy.
 std::unique_ptr<Policy> looped(std::unique_ptr<Policy> policy, const ParameterSet& reference,
                                const ParameterSet& engine, const Task& task = fullCircle());
 

@@ -8,7 +8,7 @@ from typing import Optional
 
 import numpy as np
 
-from pusht_task.error import Error
+from pusht_task.error import Error, clipped
 
 CONTROL_STEP = 0.1  # [s] an action is held for ten substeps
 SUBSTEP = 0.01  # [s]
@@ -72,7 +72,9 @@ def action_limit_of(task: str) -> Optional[float]:
         return None if limit is None else float(limit)
     except (ValueError, TypeError, KeyError, RecursionError):
         known = ", ".join(ACTION_LIMITS)
-        raise Error(f"task '{task}': must be one of {known}, or a task's JSON") from None
+        raise Error(
+            f"task '{clipped(task, 40)}': must be one of {known}, or a task's JSON"
+        ) from None
 
 
 def wrap_angle(angle: float) -> float:

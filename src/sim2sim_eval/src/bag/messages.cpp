@@ -185,10 +185,7 @@ pusht_msgs::Summary summaryMessage(const RunConfiguration& configuration, const 
 SimulatorRecord recordOf(const pusht_msgs::DescribeResponse& node) {
   const nlohmann::json provenance = pusht::provenanceOf(node);
   SimulatorRecord record{node.name, node.title.empty() ? node.name : node.title};
-  for (const pusht_msgs::Parameter& parameter : node.parameters) {
-    if (parameter.name == pusht::kTaskParameter) {
-      continue;  // which the run has
-    }
+  for (const pusht_msgs::Parameter& parameter : pusht::withoutTask(node.parameters)) {
     const auto& descriptors = node.parameter_descriptors;
     const auto known = std::find_if(descriptors.begin(), descriptors.end(),
                                     [&](const auto& descriptor) { return descriptor.name == parameter.name; });

@@ -48,10 +48,10 @@ void auditSimulators(const AuditOptions& options) {
   if (!options.overwrite) {
     pusht::requireNewFile("audit", options.out);
   }
+  requireFits(pusht::taskNamed(options.task));
   const auto load = [&options](const std::string& kind, const std::vector<std::string>& settings) {
     SimulatorChoice choice = chooseSimulator(kind, settings);
     requireNoLoop(choice, "an audit");
-    requireFits(pusht::taskNamed(options.task));
     setTask(pusht::taskNamed(options.task), {choice});
     if (choice.foreign) {
       throw pusht::InvalidInput("simulator " + choice.name() + ": must be a kind: audit.launch audits nodes");

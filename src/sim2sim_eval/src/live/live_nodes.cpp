@@ -42,12 +42,10 @@ void requireIsPolicy(const pusht::Peer& peer, const pusht::Task& task) {
   if (!node.frame_prefix.empty()) {
     throw pusht::InvalidInput(peer.services() + ": is the simulator '" + node.name + "', must be a policy");
   }
-  const auto said = std::find_if(node.parameters.begin(), node.parameters.end(),
-                                 [](const auto& parameter) { return parameter.name == pusht::kTaskParameter; });
-  const std::string acts_in = said == node.parameters.end() ? pusht::fullCircle().name : said->value;
-  if (&pusht::taskNamed(acts_in) != &task) {
-    throw pusht::InvalidInput(peer.services() + ": acts in the task " + pusht::taskNamed(acts_in).name + ": must in " +
-                              task.name + "; start it with the parameter task");
+  const pusht::Task& acts_in = pusht::taskNamed(pusht::taskIn(node.parameters).value_or(pusht::fullCircle().name));
+  if (&acts_in != &task) {
+    throw pusht::InvalidInput(peer.services() + ": acts in the task " + acts_in.name + ": must in " + task.name +
+                              "; start it with the parameter task");
   }
 }
 

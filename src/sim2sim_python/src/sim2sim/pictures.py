@@ -3,37 +3,41 @@
 
 Source: gym-pusht 0.1.5, pymunk 6.6's drawing for debugging. The same bytes as there with pygame 2.1
 and OpenCV 4.6.
+
+As a program it is a renderer of renderers.py: it answers questions from its standard input with
+images on its standard output until its input ends. A question is three numbers, int64: how many
+images, their width, their height [px]; then the NUMBERS of each, float64. The module imports
+nothing of this package, so that a renderer starts fast.
 """
 
+import math
 import os
-from typing import Any, List, Tuple
+import sys
+import threading
+from typing import IO, Any, List, Tuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sim2sim._sim2sim import gym_pusht_keypoints
-from sim2sim.errors import BadDependency
-from sim2sim.sight import GOAL
-
 os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
-try:
-    import cv2  # type: ignore[import]
-    import pygame
-except ImportError as error:
-    raise BadDependency(
-        "pictures: need pygame and OpenCV (Debian's python3-pygame and python3-opencv), "
-        f"but {error}"
-    ) from None
+import cv2  # type: ignore[import]
+import pygame
 
 VERSIONS = f"pygame {pygame.version.ver}, OpenCV {cv2.__version__}"
 
 Point = Tuple[int, int]  # [px]
 Color = Tuple[int, int, int]  # red, green, blue
 
+NUMBERS = 18  # of an image: the pusher's position, the tee's corners (bar, then stem), x, y [px]
+READY = b"r"  # first answer of a renderer
+
 SIDE = 512  # [px]
 PUSHER_RADIUS = 15  # [px]
 PUSHER_RIM = 4  # [px]
 LINE_RADIUS = 2  # [px] of walls, and of the tee's outline
+BAR = ((-60, 30), (60, 30), (60, 0), (-60, 0))  # [px] corners from the tee's origin
+STEM = ((-15, 30), (-15, 120), (15, 120), (15, 30))
+GOAL_POSITION = (256.0, 256.0)  # [px]; the goal is turned by 45 degrees
 WALLS = (
     ((5, 506), (5, 5)),
     ((5, 5), (506, 5)),
@@ -50,14 +54,14 @@ CLEAR = (0, 0, 0)  # where the picture of the walls shows what is below
 RED = (255, 0, 0)
 
 
-def draw(pusher: NDArray[np.float64], keypoints: NDArray[np.float64]) -> Any:
-    """A surface [512 x 512] of the pusher's position [2] and the tee's corners [16], in px. It is
-    the module's own, until the next one is drawn."""
-    surface = _SURFACE
+def draw(numbers: NDArray[np.float64]) -> Any:
+    """A surface [512 x 512] of the NUMBERS of an image. It is the thread's own, until it draws the
+    next one."""
+    surface = _CANVAS.surface
     surface.blit(_BELOW, (0, 0))
-    for part in keypoints.reshape(2, 4, 2):
+    for part in numbers[2:].reshape(2, 4, 2):
         _draw_polygon(surface, [_pixel(corner) for corner in part], LIGHT_SLATE_GRAY)
-    center = _pixel(pusher)
+    center = _pixel(numbers[:2])
     pygame.draw.circle(surface, ROYAL_BLUE, center, PUSHER_RADIUS)
     pygame.draw.circle(surface, _lighter(ROYAL_BLUE), center, PUSHER_RADIUS - PUSHER_RIM)
     for strip in _STRIPS:
@@ -72,11 +76,11 @@ def scaled(surface: Any, width: int, height: int) -> NDArray[np.uint8]:
     return np.asarray(cv2.cvtColor(cv2.resize(channels, (width, height)), cv2.COLOR_BGRA2RGB))
 
 
-def images(states: NDArray[np.float64], width: int, height: int) -> NDArray[np.uint8]:
-    """Images [n, height, width, 3] of worlds in these states [n, 7], as PixelWorlds.states."""
-    drawn = np.empty((len(states), height, width, 3), np.uint8)
-    for image, state, keypoints in zip(drawn, states, gym_pusht_keypoints(states)):
-        image[:] = scaled(draw(state[:2], keypoints), width, height)
+def images(rows: NDArray[np.float64], width: int, height: int) -> NDArray[np.uint8]:
+    """Images [n, height, width, 3] of rows of NUMBERS [n, 18]."""
+    drawn = np.empty((len(rows), height, width, 3), np.uint8)
+    for image, row in zip(drawn, rows):
+        image[:] = scaled(draw(row), width, height)
     return drawn
 
 
@@ -135,11 +139,17 @@ def _goal() -> Any:
     """The goal on white: what is below pusher and tee."""
     surface = pygame.Surface((SIDE, SIDE), depth=32)
     surface.fill(WHITE)
-    keypoints = gym_pusht_keypoints(np.array([[0.0, 0.0, 0.0, 0.0, *GOAL]]))
-    for part in keypoints.reshape(2, 4, 2):
-        corners = [_pixel(corner) for corner in part]
+    for part in (BAR, STEM):
+        corners = [_pixel(_at_goal(corner)) for corner in part]
         pygame.draw.polygon(surface, LIGHT_GREEN, [*corners, corners[0]])
     return surface
+
+
+def _at_goal(point: Point) -> Tuple[float, float]:
+    """A point of the tee where the tee is in the goal."""
+    x, y = point
+    across = math.sqrt(0.5)  # sine and cosine of 45 degrees
+    return GOAL_POSITION[0] + across * (x - y), GOAL_POSITION[1] + across * (x + y)
 
 
 def _walls() -> Any:
@@ -152,7 +162,14 @@ def _walls() -> Any:
     return surface
 
 
-_SURFACE = pygame.Surface((SIDE, SIDE), depth=32)
+class _Canvas(threading.local):
+    """Surface on which a thread draws: a new one for each image would take a third of the time."""
+
+    def __init__(self) -> None:
+        self.surface = pygame.Surface((SIDE, SIDE), depth=32)
+
+
+_CANVAS = _Canvas()
 _BELOW = _goal()
 _WALLS = _walls()
 _STRIPS = (
@@ -182,3 +199,22 @@ class Window:
     def close(self) -> None:
         """Closes the window."""
         pygame.display.quit()
+
+
+def serve(questions: IO[bytes], answers: IO[bytes]) -> None:
+    """Answers questions until the input ends."""
+    answers.write(READY)
+    answers.flush()
+    while sizes := questions.read(3 * 8):
+        count, width, height = (int(size) for size in np.frombuffer(sizes, np.int64))
+        rows = np.frombuffer(questions.read(count * NUMBERS * 8)).reshape(count, NUMBERS)
+        answers.write(images(rows, width, height).tobytes())
+        answers.flush()
+
+
+if __name__ == "__main__":
+    cv2.setNumThreads(1)  # the other cores have renderers of their own
+    try:
+        serve(sys.stdin.buffer, sys.stdout.buffer)
+    except BrokenPipeError:  # the parent process has ended
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

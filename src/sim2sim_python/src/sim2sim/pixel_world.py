@@ -13,6 +13,7 @@ from sim2sim._sim2sim import (
     gym_pusht_drawn,
     gym_pusht_keypoints,
 )
+from sim2sim import renderers
 from sim2sim.checks import (
     checked_integer,
     checked_number,
@@ -170,12 +171,12 @@ class PushTEnv(_PixelEpisodes, Env):
     def render(self) -> Any:
         """The picture for people, with a cross where the last action draws to; or, in the mode
         "human", a window."""
-        from sim2sim import pictures
-
         if self._steps is None or self.render_mode is None:
             return None
+        pictures = renderers.pictures()
         states = self._worlds.states
-        surface = pictures.draw(states[0, :2], gym_pusht_keypoints(states)[0])
+        numbers = np.concatenate([states[0, :2], gym_pusht_keypoints(states)[0]])
+        surface = pictures.draw(numbers)
         if self.render_mode == "human":
             self._window = self._window or pictures.Window(FRAMES_PER_SECOND)
             self._window.show(surface)

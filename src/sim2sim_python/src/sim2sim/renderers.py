@@ -1,76 +1,92 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Processes that draw images beside this one, as Python draws in one thread of a process.
 
-The bytes of an image do not depend on who draws it.
+The bytes of an image do not depend on the process.
 """
 
 import atexit
 import functools
+import json
 import os
 import select
 import subprocess
 import sys
 import threading
 from pathlib import Path
-from typing import List
+from typing import Any, List, Optional
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sim2sim import _sim2sim
-from sim2sim.errors import RuntimeFault
+from sim2sim.errors import BadDependency, RuntimeFault
 
-NUMBERS = 7  # of a state
-LEAST_SHARE = 8  # images for which another process is asked
-READY = b"r"
-_PACKAGES = str(Path(_sim2sim.__file__).parents[1])  # a workspace's sim2sim is found from there
+LEAST_SHARE = 8  # images, 2 ms: what a question costs is little beside them
+MOST = 15  # this process collects 40 k images/s, of which a renderer draws less than 3 k
+# A renderer finds what this process would find, wherever it is started.
+PROGRAM = (
+    "import json, runpy, sys; sys.path[:] = json.loads(sys.argv[1]); "
+    "runpy.run_path(sys.argv[2], run_name='__main__')"
+)
+
+
+def pictures() -> Any:
+    """The module that draws. Raises BadDependency if pygame or OpenCV is not there."""
+    try:
+        from sim2sim import pictures as module
+    except ImportError as error:
+        raise BadDependency(
+            "pictures: need pygame and OpenCV (Debian's python3-pygame and python3-opencv), "
+            f"but {error}"
+        ) from None
+    return module
 
 
 class Renderer:
-    """A process that runs sim2sim.renderer."""
+    """A process that draws. Raises OSError if there can be no further process."""
 
     def __init__(self) -> None:
+        path = json.dumps([entry for entry in sys.path if isinstance(entry, str)])
+        module = str(Path(__file__).with_name("pictures.py"))
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "sim2sim.renderer"],
+            [sys.executable, "-c", PROGRAM, path, module],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
-            env={**os.environ, "PYTHONPATH": os.pathsep.join([_PACKAGES, *sys.path])},
             start_new_session=True,  # Ctrl-C is for this process, with which the other one ends
         )
         assert self.process.stdin is not None and self.process.stdout is not None
         self._questions, self._answers = self.process.stdin, self.process.stdout
-        self._is_ready = False
+        self._is_ready: Optional[bool] = None  # None: it is starting; False: it has failed to
 
-    def is_ready(self) -> bool:
-        """Whether it has started. It does not wait."""
-        if not self._is_ready and select.select([self._answers], [], [], 0.0)[0]:
-            self._read(len(READY))
-            self._is_ready = True
-        return self._is_ready
+    def is_ready(self, patience: float = 0.0) -> bool:
+        """Whether it has started; waits so long [s] for that. One that cannot start has said why,
+        and is never ready."""
+        if self._is_ready is None:
+            poll = select.poll()
+            poll.register(self._answers, select.POLLIN)
+            if poll.poll(1000.0 * patience):
+                self._is_ready = len(self._answers.read(1)) == 1
+        return bool(self._is_ready)
 
-    def ask(self, states: NDArray[np.float64], width: int, height: int) -> None:
+    def ask(self, rows: NDArray[np.float64], width: int, height: int) -> None:
         """Asks for images, which answer() gives."""
         try:
-            self._questions.write(np.array([len(states), width, height], np.int64).tobytes())
-            self._questions.write(np.ascontiguousarray(states, np.float64).tobytes())
+            self._questions.write(np.array([len(rows), width, height], np.int64).tobytes())
+            self._questions.write(np.ascontiguousarray(rows, np.float64).tobytes())
             self._questions.flush()
         except BrokenPipeError:
             raise self._fault() from None
 
     def answer(self, images: NDArray[np.uint8]) -> None:
         """Fills the images that were asked for."""
-        images[:] = np.frombuffer(self._read(images.nbytes), np.uint8).reshape(images.shape)
+        data = self._answers.read(images.nbytes)
+        if len(data) < images.nbytes:
+            raise self._fault()
+        images[:] = np.frombuffer(data, np.uint8).reshape(images.shape)
 
     def end(self) -> None:
         """Ends the process, whatever it does."""
         self.process.kill()
         self.process.communicate()
-
-    def _read(self, count: int) -> bytes:
-        data = self._answers.read(count)
-        if len(data) < count:
-            raise self._fault()
-        return data
 
     def _fault(self) -> RuntimeFault:
         status = self.process.wait()
@@ -81,50 +97,50 @@ class Renderer:
 
 
 class Renderers:
-    """The renderers of this process: one for each further core, from the first batch on."""
+    """The renderers of a process. Each further core gets one when there is work for it."""
 
     def __init__(self) -> None:
         self.others: List[Renderer] = []
+        self._most = min(MOST, len(os.sched_getaffinity(0)) - 1)
         self._lock = threading.Lock()
 
-    def images(self, states: NDArray[np.float64], width: int, height: int) -> NDArray[np.uint8]:
+    def images(self, rows: NDArray[np.float64], width: int, height: int) -> NDArray[np.uint8]:
         """Images, by as many as are ready and worth asking."""
-        from sim2sim import pictures
-
-        if len(states) < 2 * LEAST_SHARE or not self._lock.acquire(blocking=False):
-            return pictures.images(states, width, height)
+        if len(rows) < 2 * LEAST_SHARE or not self._lock.acquire(blocking=False):
+            return np.asarray(pictures().images(rows, width, height))
         try:
-            return self._shared(states, width, height)
+            return self._shared(rows, width, height)
         except BaseException:
             self.end()  # one that was asked would give its images to the next batch
             raise
         finally:
             self._lock.release()
 
-    def _shared(self, states: NDArray[np.float64], width: int, height: int) -> NDArray[np.uint8]:
-        from sim2sim import pictures
-
-        ready = self._ready()[: len(states) // LEAST_SHARE - 1]
-        shares = np.array_split(np.arange(len(states)), len(ready) + 1)
-        for renderer, share in zip(ready, shares[1:]):
-            renderer.ask(states[share], width, height)
-        images = np.empty((len(states), height, width, 3), np.uint8)
-        images[shares[0]] = pictures.images(states[shares[0]], width, height)
-        for renderer, share in zip(ready, shares[1:]):
-            renderer.answer(images[share[0] : share[-1] + 1])
-        return images
-
-    def _ready(self) -> List[Renderer]:
-        if not self.others:
-            others = len(os.sched_getaffinity(0)) - 1
-            self.others = [Renderer() for _ in range(others)]
-        return [renderer for renderer in self.others if renderer.is_ready()]
-
     def end(self) -> None:
         """Ends them all."""
         for renderer in self.others:
             renderer.end()
         self.others = []
+
+    def _shared(self, rows: NDArray[np.float64], width: int, height: int) -> NDArray[np.uint8]:
+        asked = self._ready(len(rows) // LEAST_SHARE - 1)
+        shares = np.array_split(np.arange(len(rows)), len(asked) + 1)
+        for renderer, share in zip(asked, shares[1:]):
+            renderer.ask(rows[share], width, height)
+        images = np.empty((len(rows), height, width, 3), np.uint8)
+        images[shares[0]] = pictures().images(rows[shares[0]], width, height)
+        for renderer, share in zip(asked, shares[1:]):
+            renderer.answer(images[share[0] : share[-1] + 1])
+        return images
+
+    def _ready(self, wanted: int) -> List[Renderer]:
+        """Those that are ready, at most `wanted`; starts what is missing."""
+        try:
+            while len(self.others) < min(wanted, self._most):
+                self.others.append(Renderer())
+        except OSError:  # no more processes: those that are there draw
+            self._most = len(self.others)
+        return [renderer for renderer in self.others[:wanted] if renderer.is_ready()]
 
 
 @functools.lru_cache(maxsize=1)
@@ -135,7 +151,7 @@ def _renderers_of(process: int) -> Renderers:
     return renderers
 
 
-def images(states: NDArray[np.float64], width: int, height: int) -> NDArray[np.uint8]:
-    """Images as pictures.images(), by as many processes as are ready and worth asking. Raises
-    RuntimeFault if one of them ends."""
-    return _renderers_of(os.getpid()).images(states, width, height)
+def images(rows: NDArray[np.float64], width: int, height: int) -> NDArray[np.uint8]:
+    """Images as pictures.images(), for which other processes draw, too. Raises RuntimeFault if one
+    of them ends."""
+    return _renderers_of(os.getpid()).images(rows, width, height)

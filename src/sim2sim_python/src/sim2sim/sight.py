@@ -59,7 +59,7 @@ class Sight:
         self.has_pixels = "pixels" in self._arrays
         self._drawn: Dict[bytes, NDArray[np.uint8]] = {}  # images of the latest states
         if self.has_pixels:
-            _pictures()
+            renderers.pictures()
 
     def space(self, *worlds: int) -> Any:
         """The space of an observation, or of a batch of so many."""
@@ -84,7 +84,7 @@ class Sight:
         if not self.has_pixels:
             return self.obs_type
         width, height = self._size
-        return f"{self.obs_type} {width} x {height}, {_pictures().VERSIONS}"
+        return f"{self.obs_type} {width} x {height}, {renderers.pictures().VERSIONS}"
 
     def first(self, observation: Observation) -> Observation:
         """The observation of the first world."""
@@ -107,17 +107,14 @@ class Sight:
     def _pixels(self, states: NDArray[np.float64]) -> NDArray[np.uint8]:
         """Images of the states. One that the last call had, as in a past, is not drawn again."""
         keys = [state.tobytes() for state in states]
-        new = {key: row for row, key in enumerate(keys) if key not in self._drawn}
-        images = renderers.images(states[list(new.values())], *self._size)
-        known = {**self._drawn, **dict(zip(new, images))}
+        known = self._drawn
+        if new := {key: row for row, key in enumerate(keys) if key not in known}:
+            rows = states[list(new.values())]
+            numbers = np.concatenate([_pushers(rows), gym_pusht_keypoints(rows)], axis=1)
+            images = renderers.images(numbers, *self._size)
+            known = {**known, **dict(zip(new, map(np.copy, images)))}  # a view keeps its batch
         self._drawn = {key: known[key] for key in keys}
         return np.stack([known[key] for key in keys])
-
-
-def _pictures() -> Any:
-    from sim2sim import pictures
-
-    return pictures
 
 
 def _pushers(states: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -43,7 +43,9 @@ def worlds(
     - `reset(start)`: starts the world at `start` and clears all hidden state; returns the start as
       it represents it, poses to `start_tolerance` (0: 1e-6);
     - `step(action)`: takes a control step of 0.1 s with the commanded pusher velocity [m/s],
-      float64 [2] in [-1, 1], and returns the state after it.
+      float64 [2] in [-1, 1], and returns the state after it. A class that holds other tasks has a
+      keyword `task`: the name of one, or its JSON. Actions are then that task's, such as
+      positions [px].
 
     States are `pusht_task.task.WorldState`: poses and velocities in the frame of the table, in m,
     rad and s, with a yaw in [-pi, pi). After an exception a world is reset before it is stepped.
@@ -58,6 +60,8 @@ def worlds(
         raise InvalidInput(f"name '{known_as}': must be a word; give one with sim2sim.worlds()")
     defaults = _defaults_of(make) if parameters is None else dict(parameters)
     for parameter, value in checked_mapping("parameters", defaults).items():
+        if parameter == "task" and not isinstance(value, str):
+            raise InvalidInput(f"task {value!r}: must be a text, the task in which a world begins")
         if not isinstance(value, (bool, int, float, str)):
             raise InvalidInput(f"{parameter} {value!r}: must be true or false, a number or a text")
     return Worlds(

@@ -48,6 +48,9 @@ void requireOnce(const Parameters& parameters);
 /// `changes` on top of `parameters`, which keep their order. Throws as requireOnce() for `changes`.
 Parameters changed(Parameters parameters, const Parameters& changes);
 
+/// Task among the parameters of a node, by its name or as JSON; none: the node says of none, so it is of full_circle.
+std::optional<std::string> taskIn(const Parameters& parameters);
+
 /// Parameters of a simulator, out of those of its node: all but the task, which a run has.
 Parameters withoutTask(Parameters parameters);
 

@@ -9,7 +9,7 @@ import numpy as np
 from pusht_msgs.srv import ActResponse, DescribeResponse  # type: ignore[import]
 
 from pusht_task.error import Error, ExitCode
-from pusht_task.task import FULL_CIRCLE
+from pusht_task.task import FULL_CIRCLE, action_limit_of
 from sim2sim_serving.parameters import parameter_messages
 from sim2sim_serving.session import FOREIGN, TASK, Identity, provenance, refused, reported
 
@@ -46,12 +46,14 @@ class PolicySession:
         stochastic: bool = False,
         task: str = FULL_CIRCLE,
     ) -> None:
-        """`task` is the one in which it acts. `answers` is how many actions the policy answers with at a time, of which the first
-        ones may be executed before it looks again; a `stochastic` one draws random numbers."""
+        """`answers` is how many actions the policy answers with at a time, of which the first
+        ones may be executed before it looks again; a `stochastic` one draws random numbers.
+        `task` is the one in which it acts."""
         self._policy: Callable[..., Any] = act
         self._begin = begin
         self._answers = answers
         self._noise = {"noise": {"drawn_by": "the node"}} if stochastic else {}
+        action_limit_of(task)  # refuses what is no task
         self._parameters = {} if task == FULL_CIRCLE else {TASK: task}
         self._identity = identity
         self._lock = threading.Lock()

@@ -98,11 +98,12 @@ def serve_policy(
     """The main of a policy node: serves `act`; returns the exit code.
 
     `act` maps observations, float32 [n, 10] as in Query.msg, to n commanded pusher velocities
-    [m/s]; in another `task` both are in its units, such as positions [px]. It treats every row alike, whatever the others are. With `begin` the policy has a memory:
-    `begin(seed, execute)` makes that of a rollout, any object, and `act(observations, memories)`
-    changes those of its rows. All that is random must come from the seed. A policy that plans
-    ahead says with how many actions it `answers`; more than these to be executed are refused. One
-    that draws random numbers is `stochastic`: a run that plays each start once says so then.
+    [m/s]; in another `task` both are in its units, such as positions [px]. It treats every row
+    alike, whatever the others are. With `begin` the policy has a memory: `begin(seed, execute)`
+    makes that of a rollout, any object, and `act(observations, memories)` changes those of its
+    rows. All that is random must come from the seed. A policy that plans ahead says with how many
+    actions it `answers`; more than these to be executed are refused. One that draws random numbers
+    is `stochastic`: a run that plays each start once says so then.
     """
 
     def start(identity: Identity) -> PolicySession:

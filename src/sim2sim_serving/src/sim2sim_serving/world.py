@@ -7,7 +7,7 @@ from typing import Any, Callable, Mapping, Protocol, Type
 import numpy as np
 from pusht_msgs.msg import WorldState as WorldStateMessage  # type: ignore[import]
 
-from pusht_task.error import Error
+from pusht_task.error import Error, clipped
 from pusht_task.task import (
     FULL_CIRCLE,
     PLAUSIBLE_DISTANCE,
@@ -56,7 +56,9 @@ def start_of(request: Any, task: str) -> WorldState:
         raise Error(f"start: {len(request.start)} states; must be one, or none for the seed")
     if not request.start:
         if task != FULL_CIRCLE:
-            raise Error(f"start: must be given in the task {task}, whose seeds are not drawn here")
+            raise Error(
+                f"start: must be given in the task {clipped(task, 40)}: its seeds are not drawn here"
+            )
         return spawn(request.seed)
     message = request.start[0]
     numbers = {name: getattr(message, name) for name in message.__slots__}

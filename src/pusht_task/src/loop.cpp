@@ -89,7 +89,7 @@ class Delay {
       waiting_.assign(delay_, before);
     }
     waiting_.push_back(value);
-    const Value due = waiting_.front();
+    Value due = waiting_.front();
     waiting_.pop_front();
     return due;
   }

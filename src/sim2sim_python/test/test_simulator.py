@@ -159,7 +159,7 @@ class Simulators(unittest.TestCase):
             sim2sim.worlds(Floating, name="a b")
 
     def test_a_class_holds_tasks(self) -> None:
-        """Of each it gets the actions, clipped as nodes in Python do."""
+        """It gets the actions of each, clipped as by nodes in Python."""
 
         def far(observations: NDArray[np.float32]) -> NDArray[np.float32]:
             return np.full((len(observations), 2), (300.0, -300.0), np.float32)

@@ -16,12 +16,10 @@ import sys
 import threading
 from typing import IO, Any, List, Tuple
 
-import numpy as np
-from numpy.typing import NDArray
-
-os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
 import cv2  # type: ignore[import]
+import numpy as np
 import pygame
+from numpy.typing import NDArray
 
 VERSIONS = f"pygame {pygame.version.ver}, OpenCV {cv2.__version__}"
 

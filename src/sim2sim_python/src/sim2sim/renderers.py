@@ -22,6 +22,7 @@ from sim2sim.errors import BadDependency, RuntimeFault
 
 LEAST_SHARE = 8  # images, 2 ms: what a question costs is little beside them
 MOST = 15  # this process collects 40 k images/s, of which a renderer draws less than 3 k
+QUIET = {"PYGAME_HIDE_SUPPORT_PROMPT": "1"}  # pygame says nothing on the standard output
 # A renderer finds what this process would find, wherever it is started.
 PROGRAM = (
     "import json, runpy, sys; sys.path[:] = json.loads(sys.argv[1]); "
@@ -31,6 +32,7 @@ PROGRAM = (
 
 def pictures() -> Any:
     """The module that draws. Raises BadDependency if pygame or OpenCV is not there."""
+    os.environ.update(QUIET)
     try:
         from sim2sim import pictures as module
     except ImportError as error:
@@ -51,6 +53,7 @@ class Renderer:
             [sys.executable, "-c", PROGRAM, path, module],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
+            env={**os.environ, **QUIET},
             start_new_session=True,  # Ctrl-C is for this process, with which the other one ends
         )
         assert self.process.stdin is not None and self.process.stdout is not None
@@ -134,7 +137,7 @@ class Renderers:
         return images
 
     def _ready(self, wanted: int) -> List[Renderer]:
-        """Those that are ready, at most `wanted`; starts what is missing."""
+        """Gives at most `wanted` that are ready; starts what is missing."""
         try:
             while len(self.others) < min(wanted, self._most):
                 self.others.append(Renderer())

@@ -26,8 +26,8 @@ struct ServedKind {
 ///
 /// The node has one world, so of all models of the kind there must be one world at a time. load() asks the node what it
 /// makes of the parameters, once for each setting; those that are not set have the defaults that the node describes
-/// (numbers of a task: the task's), whatever it works with. A world takes the node over and sets all parameters. A node that was lost may come back for
-/// the next world, as what it was: after a wait in vain, further ones are short.
+/// (numbers of a task: the task's), whatever it works with. A world takes the node over and sets all parameters. A node
+/// that was lost may come back for the next world, as what it was: after a wait in vain, further ones are short.
 ///
 /// Waits end when `stop` holds. Throws RuntimeFault then, and if there is no master; NodeMissing if the node is not
 /// there; InvalidInput for a name that is not valid, a policy, or a node of another type; BadDependency if the node

@@ -56,9 +56,8 @@ def start_of(request: Any, task: str) -> WorldState:
         raise Error(f"start: {len(request.start)} states; must be one, or none for the seed")
     if not request.start:
         if task != FULL_CIRCLE:
-            raise Error(
-                f"start: must be given in the task {clipped(task, 40)}: its seeds are not drawn here"
-            )
+            name = clipped(task, 40)
+            raise Error(f"start: must be given in the task {name}: its seeds are not drawn here")
         return spawn(request.seed)
     message = request.start[0]
     numbers = {name: getattr(message, name) for name in message.__slots__}

@@ -88,7 +88,8 @@ RemoteSimulator::RemoteSimulator(const Peer& peer, StampSource& stamps, const st
   stamps.advance();
   silent_ = true;                     // what is shown of the last run stays, should this one not begin
   pusht_msgs::ResetRequest anywhere;  // a start, as nodes need not have the seeds of other tasks than full_circle
-  const Task& now = taskNamed(taskIn(peer.description().parameters).value_or(fullCircle().name));
+  const std::string said = taskIn(peer.description().parameters).value_or(fullCircle().name);
+  const Task& now = taskNamed(said);
   anywhere.start = {toMessage(spawn(now.first_spawn_seed, now))};
   requireParameters(take(anywhere).parameters_hash);
   silent_ = false;

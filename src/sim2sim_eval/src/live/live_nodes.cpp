@@ -42,7 +42,8 @@ void requireIsPolicy(const pusht::Peer& peer, const pusht::Task& task) {
   if (!node.frame_prefix.empty()) {
     throw pusht::InvalidInput(peer.services() + ": is the simulator '" + node.name + "', must be a policy");
   }
-  const pusht::Task& acts_in = pusht::taskNamed(pusht::taskIn(node.parameters).value_or(pusht::fullCircle().name));
+  const std::string said = pusht::taskIn(node.parameters).value_or(pusht::fullCircle().name);
+  const pusht::Task& acts_in = pusht::taskNamed(said);
   if (&acts_in != &task) {
     throw pusht::InvalidInput(peer.services() + ": acts in the task " + acts_in.name + ": must in " + task.name +
                               "; start it with the parameter task");

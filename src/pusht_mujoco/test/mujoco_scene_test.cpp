@@ -351,7 +351,8 @@ TEST_F(Scene, OfGymPushtHasItsNumbers) {
 }
 
 TEST_F(Scene, OfATeeThatIsNoTwoBoxesIsRefused) {
-  const Task& task = taskNamed(R"({"name": "odd", "physics": {"tee_second_moment": 0.001}})");
+  const std::string file = R"({"name": "odd", "physics": {"tee_second_moment": 0.001}})";
+  const Task& task = taskNamed(file);
   EXPECT_THAT(testing::refusalOf([&] { sceneOf(task); }),
               AllOf(HasSubstr("task odd: physics.tee_second_moment 0.001 must be "), HasSubstr("in mujoco")));
 }

@@ -24,7 +24,7 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 /// A tee of 4/3 the size.
-constexpr const char* kBigTee = R"({"name": "big", "sizes": {"bar_half_length": 0.08, "bar_half_width": 0.02,
+const std::string kBigTee = R"({"name": "big", "sizes": {"bar_half_length": 0.08, "bar_half_width": 0.02,
     "stem_half_length": 0.06, "stem_half_width": 0.02, "stem_offset": 0.08}, "target": [0.05, -0.05, 0.785],
     "starts": {"ring": [0.05, 0.2], "pusher_clearance": 0.17}})";
 
@@ -45,7 +45,8 @@ std::string refusal(const std::string& text) {
 }
 
 TEST(TaskFile, ThatSaysNothingIsTheCourses) {
-  const Task& task = taskNamed(R"({"name": "mine"})");
+  const std::string file = R"({"name": "mine"})";
+  const Task& task = taskNamed(file);
   nlohmann::ordered_json said = describe(task);
   said["name"] = fullCircle().name;
   EXPECT_EQ(said, describe(fullCircle()));
@@ -53,7 +54,8 @@ TEST(TaskFile, ThatSaysNothingIsTheCourses) {
 }
 
 TEST(TaskFile, IsLikeAnotherTask) {
-  const Task& task = taskNamed(R"({"name": "mine", "like": "gym_pusht"})");
+  const std::string file = R"({"name": "mine", "like": "gym_pusht"})";
+  const Task& task = taskNamed(file);
   nlohmann::ordered_json said = describe(task);
   said["name"] = gymPusht().name;
   EXPECT_EQ(said, describe(gymPusht()));

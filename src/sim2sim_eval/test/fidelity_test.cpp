@@ -171,10 +171,11 @@ std::vector<Case> expertCasesOf(const pusht::Task& task, pusht::Simulator& refer
 /// Two engines that have nothing in common but the task build the same world from it: sizes, masses, walls, where the
 /// table acts, how the pusher is driven. Bounds are the course's for twenty steps.
 TEST(FaithfulEngine, FollowsMuJoCoInOtherTasks) {
-  const pusht::Task& big = pusht::taskNamed(R"({"name": "big_tee", "sizes": {"bar_half_length": 0.08,
+  const std::string file = R"({"name": "big_tee", "sizes": {"bar_half_length": 0.08,
       "bar_half_width": 0.02, "stem_half_length": 0.06, "stem_half_width": 0.02, "stem_offset": 0.08},
       "physics": {"tee_body_mass": 0.18}, "target": [0.05, -0.05, 0.785],
-      "starts": {"ring": [0.05, 0.2], "pusher_clearance": 0.17}})");
+      "starts": {"ring": [0.05, 0.2], "pusher_clearance": 0.17}})";
+  const pusht::Task& big = pusht::taskNamed(file);
   for (const pusht::Task& task : {std::cref(pusht::gymPusht()), std::cref(big)}) {
     SCOPED_TRACE(task.name);
     const auto load = [&task](const char* kind) {

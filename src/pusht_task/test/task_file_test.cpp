@@ -63,8 +63,9 @@ TEST(TaskFile, IsLikeAnotherTask) {
 }
 
 TEST(TaskFile, IsJudgedByTheTolerancesThatItHas) {
-  const Task& task =
-      taskNamed(R"({"name": "mine", "like": "gym_pusht", "success": {"position": 0.02}, "starts": {"rule": "ring"}})");
+  const std::string file =
+      R"({"name": "mine", "like": "gym_pusht", "success": {"position": 0.02}, "starts": {"rule": "ring"}})";
+  const Task& task = taskNamed(file);
   EXPECT_FALSE(task.success.coverage);
   EXPECT_EQ(task.last_spawn_seed, fullCircle().last_spawn_seed) << "seeds of a ring have 64 bits";
 }

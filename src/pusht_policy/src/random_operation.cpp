@@ -23,10 +23,20 @@ std::optional<bool> isTold(const torch::jit::Node& node) {
   return {};
 }
 
+/// Whether an operation that has a dropout of its own, as attention has in torch 2, is told to drop nothing.
+bool dropsNothing(const torch::jit::Node& node) {
+  constexpr const char* kShare = "dropout_p";
+  if (!node.hasNamedInput(kShare)) {
+    return false;
+  }
+  const auto share = torch::jit::toIValue(node.namedInput(kShare));
+  return share && share->isDouble() && share->toDouble() == 0.0;
+}
+
 /// Whether an operation may draw random numbers. libtorch's own list misses those in place; they take a generator.
 bool drawsNumbers(const torch::jit::Node& node) {
   const torch::jit::FunctionSchema* const schema = node.maybeSchema();
-  if (schema == nullptr || isTold(node) == false) {
+  if (schema == nullptr || isTold(node) == false || dropsNothing(node)) {
     return false;
   }
   const auto& arguments = schema->arguments();

@@ -97,23 +97,6 @@ class Tasks(CommandCase):
                 )
                 self.assertEqual(metrics["engine_simulator"], kind)
 
-    def test_a_loop_is_in_the_units_of_the_task(self) -> None:
-        """A tracker's 2 mm are 2 px: a planner bears them, but not 20 of them."""
-        kinds = ("--policy", "planner", "--reference", "gym_pusht", "--engine", "none")
-        succeeded = [
-            self.compare(name, "--task", "gym_pusht", *kinds, *loop, "--episodes", "8")[
-                "reference_success_rate"
-            ]
-            for name, loop in (
-                ("plain", ()),
-                ("tracker", ("--loop", "tracker")),
-                ("blind", ("--loop", "observation_noise_position=0.04")),
-            )
-        ]
-        self.assertEqual(succeeded[0], 1.0)
-        self.assertGreater(succeeded[1], succeeded[2])
-        self.assertLess(succeeded[2], 0.5)
-
     def test_a_third_task_is_a_file(self) -> None:
         """The run carries it: without the file, the bag gives the same bytes."""
         shutil.copy(BIG_TEE, self.folder / "big.json")

@@ -468,7 +468,7 @@ class Compared(unittest.TestCase):
         self.assertEqual(len({tuple(position) for position in positions}), 10)
         self.OPTIONS = {**self.OPTIONS, "loop": "tracker"}
         errors = self.seen("environment_state_agent_pos")[0]["agent_pos"][0] - positions[0]
-        self.assertTrue(np.all((errors != 0.0) & (np.abs(errors) < 10.0)), errors)
+        self.assertTrue(0.1 < np.abs(errors).max() < 10.0, f"{errors} px of a tracker's 2 mm")
 
     def test_refused(self) -> None:
         cases: Tuple[Tuple[Dict[str, Any], str], ...] = (

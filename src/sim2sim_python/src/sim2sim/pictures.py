@@ -161,7 +161,7 @@ def _walls() -> Any:
 
 
 class _Canvas(threading.local):
-    """Surface on which a thread draws: a new one for each image would take a third of the time."""
+    """Surface on which a thread draws, in place of a new one for each image."""
 
     def __init__(self) -> None:
         self.surface = pygame.Surface((SIDE, SIDE), depth=32)
@@ -206,7 +206,7 @@ def serve(questions: IO[bytes], answers: IO[bytes]) -> None:
     while sizes := questions.read(3 * 8):
         count, width, height = (int(size) for size in np.frombuffer(sizes, np.int64))
         rows = np.frombuffer(questions.read(count * NUMBERS * 8)).reshape(count, NUMBERS)
-        answers.write(images(rows, width, height).tobytes())
+        answers.write(images(rows, width, height).data)
         answers.flush()
 
 

@@ -6,6 +6,7 @@ from typing import Any, Dict, Mapping, Optional, Sequence, Tuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from sim2sim import renderers
 from sim2sim._sim2sim import (
     GYM_PUSHT_FIRST_SEED,
     GYM_PUSHT_SUCCESS,
@@ -13,7 +14,6 @@ from sim2sim._sim2sim import (
     gym_pusht_drawn,
     gym_pusht_keypoints,
 )
-from sim2sim import renderers
 from sim2sim.checks import (
     checked_integer,
     checked_number,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "gym_pusht_kind.hpp"
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -18,30 +19,48 @@ namespace {
 
 constexpr double kGymStartTolerance = 1e-12;  // [m, rad, m/s, rad/s]
 
-/// World of gym-pusht in the table's frame. A start is put where it was asked to be: how gym-pusht's own resets move it
-/// is part of the task's spawn.
+/// World of gym-pusht in the table's frame. A start that is given is put where it was asked to be; one that is drawn is
+/// reset as gym-pusht does it, which moves it to the task's spawn.
 class GymPushtSimulator : public Simulator {
  public:
   explicit GymPushtSimulator(const GymPushtQuirks& quirks)
       : Simulator("gym-pusht", kGymStartTolerance, gymPusht()), world_(quirks) {}
 
+  const gym_pusht::State* stateInPixels() const override { return &in_pixels_; }
+
  private:
   void doReset(const WorldState& state) override {
     world_.restore(gym_pusht::fromTable(state, world_.centerOfGravity()));
-    start_ = state;
+    begin(state);
+  }
+
+  void doSpawn(const WorldState& start, std::uint64_t seed) override {
+    if (world_.centerOfGravity() != gym_pusht::kCenterOfGravity) {
+      doReset(start);  // a reset would turn this tee about another point than the spawn's
+      return;
+    }
+    world_.reset(gym_pusht::drawn(static_cast<std::uint32_t>(seed)));
+    begin(start);
+  }
+
+  void begin(const WorldState& start) {
+    in_pixels_ = world_.state();
+    start_ = start;
   }
 
   void doStep(const Action& action) override {
     start_.reset();
     world_.step({action[0], action[1]});
+    in_pixels_ = world_.state();
   }
 
   /// Until the first step it is the start's, so that a reset to it changes no bit.
   WorldState doState() const override {
-    return start_ ? *start_ : gym_pusht::toTable(world_.state(), world_.centerOfGravity());
+    return start_ ? *start_ : gym_pusht::toTable(in_pixels_, world_.centerOfGravity());
   }
 
   GymPushtWorld world_;
+  gym_pusht::State in_pixels_;
   std::optional<WorldState> start_;
 };
 

@@ -32,6 +32,10 @@ void SimulatorLanes::reset(int lane, const WorldState& state) {
   faults_.reset(lane, [&] { worlds_.at(lane)->reset(state); });
 }
 
+void SimulatorLanes::spawn(int lane, std::uint64_t seed) {
+  faults_.reset(lane, [&] { worlds_.at(lane)->spawn(seed); });
+}
+
 void SimulatorLanes::step(Actions actions) {
   for (std::size_t lane = 0; lane < worlds_.size(); ++lane) {
     if (actions[lane] && !faults_.has(lane)) {

@@ -42,25 +42,23 @@ class InPixels final : public World {
   void reset(const State& asked) override {
     const State start = turned(asked);
     simulator_->reset(toTable(start));
-    angle_ = start.angle;
+    turned_ = start.angle;
   }
 
   void step(const Vector2d& target) override {
     simulator_->step({static_cast<float>(target.x()), static_cast<float>(target.y())});
-    angle_ += wrapAngle(fromTable(simulator_->state()).angle - angle_);
+    turned_ += wrapAngle(state().angle - turned_);
   }
 
-  State state() const override {
-    State state = fromTable(simulator_->state());
-    state.angle = angle_;
-    return state;
-  }
+  State state() const override { return fromTable(simulator_->state()); }
+
+  double turnedAngle() const override { return turned_; }
 
   int contacts() const override { return contactsOf(simulator_->state(), gymPusht()).part() != Part::kNone ? 1 : 0; }
 
  private:
   std::unique_ptr<Simulator> simulator_;
-  double angle_ = 0.0;  // [rad]
+  double turned_ = 0.0;  // [rad]
 };
 
 }  // namespace

@@ -9,10 +9,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <string_view>
 #include <utility>
 
 #include "pusht_task/error.hpp"
+#include "pusht_task/gym_pusht.hpp"
 #include "pusht_task/joined.hpp"
 #include "pusht_task/spawn.hpp"
 #include "pusht_task/task.hpp"
@@ -69,6 +71,7 @@ struct Shown {
   Observation observation{};
   bool has_state = false;  ///< not if the observation came over a node
   WorldState state{};
+  std::optional<gym_pusht::State> in_pixels{};  ///< none in other worlds, or if a sensor errs
 };
 
 /// Errors of a sensor, in the units and the frame of a task's observations.
@@ -116,7 +119,8 @@ class LoopMemory : public Policy::Memory {
     rest_ = restAt(query.observation);
     const Shown now = measured(query);
     seen_ = observations_.pass(now, now);
-    return {seen_.observation, memory_.get(), seen_.has_state ? &seen_.state : nullptr};
+    return {seen_.observation, memory_.get(), seen_.has_state ? &seen_.state : nullptr,
+            seen_.in_pixels ? &*seen_.in_pixels : nullptr};
   }
 
   /// Whether the policy acts in this control step.
@@ -156,6 +160,8 @@ class LoopMemory : public Policy::Memory {
     return scaled;
   }
 
+  bool errs() const { return position_noise_.isOn() || yaw_noise_.isOn(); }
+
   Shown measured(const Policy::Query& truth) {
     SensorError error;
     if (position_noise_.isOn()) {
@@ -164,9 +170,12 @@ class LoopMemory : public Policy::Memory {
     if (yaw_noise_.isOn()) {
       error.yaw = yaw_noise_.next();
     }
-    Shown shown = {measured(truth.observation, error), truth.state != nullptr, {}};
+    Shown shown = {measured(truth.observation, error), truth.state != nullptr};
     if (shown.has_state) {
       shown.state = measured(*truth.state, error);
+    }
+    if (truth.state_in_pixels != nullptr && !errs()) {
+      shown.in_pixels = *truth.state_in_pixels;
     }
     return shown;
   }
@@ -188,7 +197,7 @@ class LoopMemory : public Policy::Memory {
   }
 
   WorldState measured(WorldState state, const SensorError& error) const {
-    if (!position_noise_.isOn() && !yaw_noise_.isOn()) {
+    if (!errs()) {
       return state;
     }
     const TaskFrame& frame = loop_.task.frame;

@@ -11,6 +11,7 @@
 #include "pusht_task/constants.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/numbers.hpp"
+#include "pusht_task/spawn.hpp"
 #include "pusht_task/state_fields.hpp"
 #include "pusht_task/task.hpp"
 
@@ -151,8 +152,18 @@ Simulator::Simulator(std::string name, double start_tolerance, const Task& task)
 
 void Simulator::reset(const WorldState& state) {
   const WorldState start = checkedStart(state);
+  begin(start, [&] { doReset(start); });
+}
+
+void Simulator::spawn(std::uint64_t seed) {
+  const WorldState start = checkedStart(pusht::spawn(seed, *task_));
+  begin(start, [&] { doSpawn(start, seed); });
+}
+
+template <class Reset>
+void Simulator::begin(const WorldState& start, const Reset& reset) {
   ready_ = false;
-  doReset(start);
+  reset();
   inNameOf(name_, [&] { requireStart(start, this->state(), start_tolerance_); });
   ready_ = true;
 }

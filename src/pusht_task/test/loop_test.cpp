@@ -21,6 +21,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using Settings = std::vector<std::pair<std::string, std::string>>;
 
 ParameterSet loopWith(const Settings& settings) {
@@ -261,17 +262,22 @@ TEST_F(Loops, RowsDoNotDisturbEachOther) {
 /// A policy of gym_pusht that goes to one place and keeps the states it sees.
 class ToAPlace : public Policy {
  public:
-  ToAPlace(std::vector<Query>& asked, std::vector<WorldState>& states) : asked_(asked), states_(states) {}
+  ToAPlace(std::vector<Query>& asked, std::vector<WorldState>& states, std::vector<gym_pusht::State>& in_pixels)
+      : asked_(asked), states_(states), in_pixels_(in_pixels) {}
 
   void act(Span<const Query> queries, Span<Action> actions) override {
     asked_.push_back(queries[0]);
     states_.push_back(*queries[0].state);
+    if (queries[0].state_in_pixels != nullptr) {
+      in_pixels_.push_back(*queries[0].state_in_pixels);
+    }
     actions[0] = {300.0F, 200.0F};
   }
 
  private:
   std::vector<Query>& asked_;
   std::vector<WorldState>& states_;
+  std::vector<gym_pusht::State>& in_pixels_;
 };
 
 class LoopsInPixels : public ::testing::Test {
@@ -279,12 +285,13 @@ class LoopsInPixels : public ::testing::Test {
   /// Commands while the world shows `world`, step by step.
   std::vector<Action> drive(const Settings& settings, int steps = 3) {
     const auto policy =
-        looped(std::make_unique<ToAPlace>(asked_, states_), loopWith(settings), plainLoop(), gymPusht());
+        looped(std::make_unique<ToAPlace>(asked_, states_, in_pixels_), loopWith(settings), plainLoop(), gymPusht());
     const auto memory = policy->begin({});
     std::vector<Action> commands;
     for (int step = 0; step < steps; ++step) {
       world_.pusher_position.x() = 0.001 * step;  // 1 px a step
-      const Policy::Query query{observe(world_, gymPusht()), memory.get(), &world_};
+      const gym_pusht::State in_pixels = gym_pusht::fromTable(world_);
+      const Policy::Query query{observe(world_, gymPusht()), memory.get(), &world_, &in_pixels};
       policy->act({&query, 1}, {&commands.emplace_back(), 1});
     }
     return commands;
@@ -293,6 +300,7 @@ class LoopsInPixels : public ::testing::Test {
   WorldState world_ = gym_pusht::toTable({{256.0, 200.0}, {0.0, 0.0}, {280.0, 230.0}, 0.5});
   std::vector<Policy::Query> asked_;
   std::vector<WorldState> states_;
+  std::vector<gym_pusht::State> in_pixels_;
 };
 
 TEST_F(LoopsInPixels, APusherWaitsWhereItIsForALateCommand) {
@@ -329,6 +337,7 @@ TEST_F(LoopsInPixels, NoiseOfTheSensorIsInObservationAndState) {
     }
   }
   EXPECT_NEAR(momentsOf(errors).second, 1.0, 4.0 / std::sqrt(2.0 * kSteps));
+  EXPECT_THAT(in_pixels_, IsEmpty()) << "bits that no sensor has";
 }
 
 TEST_F(LoopsInPixels, ADelayIsOfObservationAndState) {
@@ -336,6 +345,7 @@ TEST_F(LoopsInPixels, ADelayIsOfObservationAndState) {
   EXPECT_EQ(states_[1].pusher_position.x(), 0.0);
   EXPECT_EQ(states_[2].pusher_position.x(), 0.001);
   EXPECT_EQ(asked_[2].observation[0], 257.0F);
+  EXPECT_EQ(in_pixels_[2].pusher, gym_pusht::fromTable(states_[2]).pusher);
 }
 
 TEST_F(Loops, HaveNamesThatSetWhatIsNotSetByName) {

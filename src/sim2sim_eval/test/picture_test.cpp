@@ -50,6 +50,7 @@ class DriftingWorld : public pusht::BatchSimulator {
     state_ = {};
     state_.tee_position = start_;
   }
+  void spawn(int lane, std::uint64_t /*seed*/) override { reset(lane, {}); }
   void step(Actions /*actions*/) override {
     state_.tee_position.x() += speed_ * pusht::kControlStep;
     state_.tee_yaw = pusht::wrapAngle(state_.tee_yaw + yaw_rate_ * pusht::kControlStep);

@@ -31,6 +31,24 @@ auto located(const Protocol& protocol, int episode, std::string_view mode, const
   }
 }
 
+/// Resets a lane of `world` to the initial state of an episode, which a probe moves by `tee_offset` [m].
+void place(const Protocol& protocol, int episode, pusht::BatchSimulator& world, int lane, double tee_offset = 0.0) {
+  if (const auto seed = protocol.spawnSeed(episode); seed && tee_offset == 0.0) {
+    world.spawn(lane, *seed);
+    return;
+  }
+  pusht::WorldState start = protocol.initialState(episode);
+  start.tee_position.x() += tee_offset;
+  world.reset(lane, start);
+}
+
+/// Query of a rollout in a lane of `world`.
+pusht::Policy::Query queryOf(const pusht::Rollout& rollout, const pusht::BatchSimulator& world, int lane) {
+  pusht::Policy::Query query = rollout.query();
+  query.state_in_pixels = world.stateInPixels(lane);
+  return query;
+}
+
 }  // namespace
 
 Worlds worldsOf(std::unique_ptr<pusht::Simulator> reference, std::unique_ptr<pusht::Simulator> engine,
@@ -79,7 +97,7 @@ pusht::Rollout Flight::start(Mode mode, std::size_t lane, int index, std::unique
   }
   return located(protocol_, index, modeName(mode), 0, [&] {
     pusht::BatchSimulator& world = worldOf(mode);
-    world.reset(static_cast<int>(lane), protocol_.initialState(index));
+    place(protocol_, index, world, static_cast<int>(lane));
     return pusht::Rollout(world.state(static_cast<int>(lane)), std::move(memory), protocol_.runTask());
   });
 }
@@ -103,7 +121,7 @@ void Flight::turnToReplay(std::size_t lane) {
   }
   located(protocol_, episode.index(), modeName(kEngineReplay), 0, [&] {
     pusht::BatchSimulator& world = worldOf(kEngineReplay);
-    world.reset(static_cast<int>(lane), protocol_.initialState(episode.index()));
+    place(protocol_, episode.index(), world, static_cast<int>(lane));
     if (!(world.state(static_cast<int>(lane)) == episode.rollout(kEngineReplay).trace().states.front())) {
       throw pusht::SimulationFault("the second reset to the same state leads to another: must lead to the same bits");
     }
@@ -123,7 +141,7 @@ void Flight::askPolicy() {
   for (const Mode mode : {kReferenceClosed, kEngineClosed}) {
     for (std::size_t lane = 0; lane < episodes_.size(); ++lane) {
       if (goesOn(mode, lane)) {
-        queries_.push_back(episodes_[lane]->rollout(mode).query());
+        queries_.push_back(queryOf(episodes_[lane]->rollout(mode), worldOf(mode), static_cast<int>(lane)));
       }
     }
   }
@@ -192,10 +210,11 @@ void Flight::probe(Episode& episode, std::size_t lane, const std::function<void(
       watch();
     };
     located(protocol_, index, probe.name, step, [&] {
+      const std::size_t in_lane = in_variant ? 0 : lane;
+      place(protocol_, index, world, static_cast<int>(in_lane), probe.tee_offset);
       const pusht::Trace& reference = episode.rollout(kReferenceClosed).trace();
-      episode.recordProbe(i, probe.closed ? drive(world, index, before_step)
-                                          : runProbe(probe, protocol_.initialState(index), reference, world,
-                                                     in_variant ? 0 : lane, before_step));
+      episode.recordProbe(
+          i, probe.closed ? drive(world, index, before_step) : runProbe(probe, reference, world, in_lane, before_step));
     });
   }
 }
@@ -205,14 +224,13 @@ pusht::BatchSimulator& Flight::variantOf(const Probe& probe) const {
   return *variants_.at(static_cast<std::size_t>(std::find(names.begin(), names.end(), probe.variant) - names.begin()));
 }
 
-/// Lets the policy drive the only lane of a model variant.
+/// Lets the policy drive the only lane of a model variant, which has been reset.
 pusht::Trace Flight::drive(pusht::BatchSimulator& world, int index, const std::function<void(int)>& before_step) const {
-  world.reset(0, protocol_.initialState(index));
   pusht::Rollout rollout(world.state(0), policy_.begin(protocol_.beginning(index, pusht::Role::kReference)),
                          protocol_.runTask());
   while (!rollout.finished(protocol_.horizon)) {
     before_step(rollout.steps());
-    const std::array<pusht::Policy::Query, 1> query = {rollout.query()};
+    const std::array<pusht::Policy::Query, 1> query = {queryOf(rollout, world, 0)};
     std::array<pusht::Action, 1> action{};
     policy_.act(query, action);
     requireFinite(action.front());

@@ -142,12 +142,9 @@ Probe probeFrom(const std::string& name) {
                             "NAME=VALUE or " + kClosedVariant + "NAME=VALUE");
 }
 
-pusht::Trace runProbe(const Probe& probe, const pusht::WorldState& initial_state, const pusht::Trace& reference,
-                      pusht::BatchSimulator& world, std::size_t lane, const std::function<void(int)>& before_step) {
+pusht::Trace runProbe(const Probe& probe, const pusht::Trace& reference, pusht::BatchSimulator& world, std::size_t lane,
+                      const std::function<void(int)>& before_step) {
   const int in_lane = static_cast<int>(lane);
-  pusht::WorldState moved = initial_state;
-  moved.tee_position.x() += probe.tee_offset;
-  world.reset(in_lane, moved);
   pusht::Trace trace;
   trace.states.push_back(world.state(in_lane));
   trace.actions = reference.actions;

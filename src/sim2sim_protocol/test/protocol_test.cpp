@@ -556,6 +556,51 @@ TEST(Probes, TheFloorIsTheReferenceFromAMovedStart) {
   runProtocol(protocol, {sameEngines, expert}, 1, nullptr, deliver, kNeverStop);
 }
 
+/// World that rests, and counts draws and other starts.
+class Drawn : public pusht::Simulator {
+ public:
+  Drawn(int& draws, int& others) : draws_(draws), others_(others) {}
+
+ private:
+  void doReset(const pusht::WorldState& state) override {
+    ++others_;
+    state_ = state;
+  }
+  void doSpawn(const pusht::WorldState& start, std::uint64_t /*seed*/) override {
+    ++draws_;
+    state_ = start;
+  }
+  void doStep(const pusht::Action& /*action*/) override {}
+  pusht::WorldState doState() const override { return state_; }
+
+  int& draws_;
+  int& others_;
+  pusht::WorldState state_;
+};
+
+/// Worlds are told of a draw, in which they may have more bits than a state has: not of a start that is moved or given.
+TEST(Probes, StartFromADrawUnlessItIsMoved) {
+  int draws = 0;
+  int others = 0;
+  const auto drawn = [&] { return std::make_unique<Drawn>(draws, others); };
+  const auto worlds = [&](int /*lanes*/) { return worldsOf(drawn(), drawn(), drawn()); };
+  Protocol protocol;
+  protocol.episodes = 1;
+  protocol.horizon = 10;
+  protocol.reanchor = {5};
+  run(protocol, {worlds, idlePolicy}, 1);
+  EXPECT_EQ(draws, 3 + 1);   // the modes, the state-reset replay
+  EXPECT_EQ(others, 2 + 1);  // the floors, the state after five steps
+  draws = 0;
+  run(protocol, {[&](int lanes) { return withoutReplay(worlds(lanes)); }, idlePolicy, {}, true}, 1);
+  EXPECT_EQ(draws, 3 + 1) << "one world after the other";
+  draws = 0;
+  protocol.initial_states =
+      std::make_shared<InitialStates>(std::vector{pusht::spawn(protocol.runTask().first_spawn_seed)}, 0);
+  run(protocol, {worlds, idlePolicy}, 1);
+  EXPECT_EQ(draws, 0);
+}
+
 /// Tees on one line: a variant's tee moves with its own speed, in closed loop until its own success.
 TEST(Probes, AModelVariantIsTheReferenceWithAnotherModel) {
   Protocol protocol;

@@ -180,8 +180,9 @@ class Environment(unittest.TestCase):
                 observation, info = env.reset(options=given)
                 np.testing.assert_allclose(observation, expected, atol=1e-4)
                 self.assertAlmostEqual(info["block_pose"][2], 7.5, places=6)
-                moved = [env.step([300.0, 300.0])[0] for _ in range(20)][-1]
+                moved, *_, info = [env.step([300.0, 300.0]) for _ in range(20)][-1]
                 self.assertGreater(float(np.abs(moved - observation)[2:].max()), 1.0)
+                self.assertAlmostEqual(info["block_pose"][2] - moved[4], TURN, places=9)
         by_kind = sim2sim.make("mujoco", obs_type="state", timestep=0.005)
         self.assertEqual(by_kind.engine, "mujoco")
 
@@ -419,39 +420,52 @@ class Compared(unittest.TestCase):
         "threads": 1,
     }
 
-    def seen(self, obs_type: str, history: Any = None) -> List[Any]:
+    PLACE = np.full(2, 230.0, np.float32)
+
+    def seen(self, obs_type: str, history: Any = None, episode: int = 0) -> List[Any]:
         """What a callable that goes to one place is shown, after it has been tried out."""
         shown: List[Any] = []
 
         def to_a_place(observation: Any) -> Any:
             shown.append(observation)
             rows = observation if isinstance(observation, np.ndarray) else observation["agent_pos"]
-            return np.full((len(rows), 2), 230.0, np.float32)
+            return np.tile(self.PLACE, (len(rows), 1))
 
-        sim2sim.compare(to_a_place, obs_type=obs_type, history=history, **self.OPTIONS)
-        return shown[-12:]
+        options = {**self.OPTIONS, "first_episode": episode}
+        sim2sim.compare(to_a_place, obs_type=obs_type, history=history, **options)
+        return shown[-self.OPTIONS["horizon"] :]
 
-    def test_overlapping_bodies_are_pushed_apart_as_by_a_reset(self) -> None:
-        """Seed 100039, whose tee lies under the pusher."""
-        env = PushTEnv()
-        env.reset(seed=100039)
-        expected = [env.step([230.0, 230.0])[0] for _ in range(11)]
-        self.OPTIONS = {**self.OPTIONS, "first_episode": 39}
-        for found, there in zip(self.seen("state")[1:], expected):
-            np.testing.assert_allclose(found[0], there, atol=1e-6)
+    def assert_same_as_the_environment(
+        self, obs_type: str, episode: int = 0, engine: str = "gym_pusht"
+    ) -> None:
+        """To the last bit, while the tee is pushed."""
+        env = PushTEnv(obs_type=obs_type, engine=engine)
+        expected, first = env.reset(seed=100000 + episode)
+        self.PLACE = first["block_pose"][:2].astype(np.float32)
+        for found in self.seen(obs_type, episode=episode):
+            for name, array in found.items() if isinstance(found, dict) else [("", found)]:
+                there = expected[name] if name else expected
+                self.assertEqual(array.dtype, there.dtype)
+                assert_array_equal(array[0], there)
+            expected, *_, last = env.step(self.PLACE)
+        self.assertTrue((last["block_pose"] != first["block_pose"]).all(), "the tee has not moved")
 
     def test_the_same_as_the_environment(self) -> None:
         for obs_type in OBS_TYPES if DRAWS_AS_RECORDED else OBS_TYPES[:2]:
             with self.subTest(obs_type):
-                env = PushTEnv(obs_type=obs_type)
-                expected, _ = env.reset(seed=100000)
-                for found in self.seen(obs_type):
-                    for name, array in found.items() if isinstance(found, dict) else [("", found)]:
-                        there = expected[name] if name else expected
-                        self.assertEqual(array.dtype, there.dtype)
-                        # A start passes through the table's frame.
-                        np.testing.assert_allclose(array[0], there, atol=1e-9)
-                    expected, *_ = env.step([230.0, 230.0])
+                self.assert_same_as_the_environment(obs_type)
+
+    def test_the_same_from_other_seeds_and_in_other_engines(self) -> None:
+        """The tee of seed 100039 lies under the pusher."""
+        self.OPTIONS = {**self.OPTIONS, "horizon": 40}
+        for episode in (1, 2, 39):
+            with self.subTest(episode=episode):
+                self.assert_same_as_the_environment("state", episode)
+        for engine in ("mujoco", "box2d", "chipmunk"):
+            self.OPTIONS = {**self.OPTIONS, "reference": engine}
+            for episode in (1, 39):
+                with self.subTest(engine, episode=episode):
+                    self.assert_same_as_the_environment("state", episode, engine)
 
     def test_the_past_is_the_second_axis(self) -> None:
         plain = [both["agent_pos"][0] for both in self.seen("environment_state_agent_pos")]

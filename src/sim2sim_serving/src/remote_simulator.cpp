@@ -90,7 +90,7 @@ RemoteSimulator::RemoteSimulator(const Peer& peer, StampSource& stamps, const st
   pusht_msgs::ResetRequest anywhere;  // a start, as nodes need not have the seeds of other tasks than full_circle
   const std::string said = taskIn(peer.description().parameters).value_or(fullCircle().name);
   const Task& now = taskNamed(said);
-  anywhere.start = {toMessage(spawn(now.first_spawn_seed, now))};
+  anywhere.start = {toMessage(pusht::spawn(now.first_spawn_seed, now))};
   requireParameters(take(anywhere).parameters_hash);
   silent_ = false;
   if (!kind.empty() || !changes.empty()) {
@@ -139,9 +139,17 @@ pusht_msgs::DescribeResponse RemoteSimulator::describe() {
   return description;
 }
 
-void RemoteSimulator::doReset(const WorldState& state) {
-  pusht_msgs::ResetRequest request;
-  request.start = {toMessage(state)};
+void RemoteSimulator::doReset(const WorldState& state) { begin(state, {}); }
+
+void RemoteSimulator::doSpawn(const WorldState& start, std::uint64_t seed) {
+  pusht_msgs::ResetRequest of_seed;
+  of_seed.seed = seed;
+  begin(start, of_seed);
+}
+
+/// Begins an episode at `start`, which nodes get whatever else is in the request: not all have the seeds of a task.
+void RemoteSimulator::begin(const WorldState& start, pusht_msgs::ResetRequest request) {
+  request.start = {toMessage(start)};
   request.episode = episode_;
   request.horizon = static_cast<std::uint32_t>(horizon_);
   const pusht_msgs::ResetResponse response = take(request);

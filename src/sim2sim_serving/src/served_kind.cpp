@@ -172,6 +172,10 @@ class ServedWorld : public Simulator {
     node_->requireThere();
     ask([&] { world_->reset(state); });
   }
+  void doSpawn(const WorldState& /*start*/, std::uint64_t seed) override {
+    node_->requireThere();
+    ask([&] { world_->spawn(seed); });
+  }
   void doStep(const Action& action) override {
     ask([&] { world_->step(action); });
   }

@@ -79,11 +79,21 @@ SimulatorModel loadedInTask(const SimulatorKind& kind, ParameterSet parameters) 
   return model;
 }
 
-WorldState startOf(const pusht_msgs::ResetRequest& request, const Task& task) {
+/// Whether `start` is what the task draws for `seed`.
+bool isDrawn(const WorldState& start, std::uint64_t seed, const Task& task) {
+  return seed <= task.last_spawn_seed && start == spawn(seed, task);
+}
+
+/// Resets `world` to the start of a request, which is a draw even if the request also says what is drawn.
+void reset(Simulator& world, const pusht_msgs::ResetRequest& request) {
   if (request.start.size() > 1) {
     throw InvalidInput("start: " + std::to_string(request.start.size()) + " states; must be one, or none for the seed");
   }
-  return request.start.empty() ? spawn(request.seed, task) : fromMessage(request.start.front());
+  if (request.start.empty() || isDrawn(fromMessage(request.start.front()), request.seed, world.task())) {
+    world.spawn(request.seed);
+  } else {
+    world.reset(fromMessage(request.start.front()));
+  }
 }
 
 }  // namespace
@@ -103,10 +113,9 @@ pusht_msgs::ResetResponse SimulatorSession::reset(const pusht_msgs::ResetRequest
     return episode_->begun;
   }
   return answer<pusht_msgs::ResetResponse>(instance_id_, [&](pusht_msgs::ResetResponse& response) {
-    const WorldState start = startOf(request, world_->task());
     const ros::Time stamp = request.silent != 0 ? stamp_ : nextStamp(request.stamp, request.token);
     try {
-      world_->reset(start);
+      pusht::reset(*world_, request);
     } catch (const InvalidInput&) {
       throw;  // refused; the world is as it was
     } catch (const std::exception&) {

@@ -29,6 +29,24 @@ using ::testing::SizeIs;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
+/// World that notes the seeds of its draws.
+class Drawn : public Simulator {
+ public:
+  explicit Drawn(std::vector<std::uint64_t>& seeds) : seeds_(seeds) {}
+
+ private:
+  void doReset(const WorldState& state) override { state_ = state; }
+  void doSpawn(const WorldState& start, std::uint64_t seed) override {
+    seeds_.push_back(seed);
+    state_ = start;
+  }
+  void doStep(const Action& /*action*/) override {}
+  WorldState doState() const override { return state_; }
+
+  std::vector<std::uint64_t>& seeds_;
+  WorldState state_;
+};
+
 /// The pusher goes where it is told; after `steps_to_failure` steps since the start the simulation fails.
 class Brittle : public Simulator {
  public:
@@ -166,6 +184,32 @@ TEST_F(SimulatorSessions, TakeATaskAndGiveItBack) {
   EXPECT_EQ(session.describe().parameters, before.parameters);
   EXPECT_EQ(session.describe().parameters_hash, before.parameters_hash);
   EXPECT_EQ(fromMessage(session.reset(request).state), spawn(100'007));
+}
+
+/// A world is told of its draw, by a caller that sends no start, or that one.
+TEST_F(SimulatorSessions, TellTheWorldOfADraw) {
+  std::vector<std::uint64_t> seeds;
+  SimulatorKind drawn = kind();
+  drawn.loader = [&seeds](const ParameterSet& parameters) {
+    SimulatorModel model;
+    model.parameters = parameters;
+    model.make_world = [&seeds] { return std::make_unique<Drawn>(seeds); };
+    return model;
+  };
+  SimulatorSession session(drawn, drawn.defaults(), "drawn", [](const auto&) {});
+  const auto reset = [&session](std::uint64_t seed, const std::optional<WorldState>& start) {
+    pusht_msgs::ResetRequest request;
+    request.seed = seed;
+    if (start) {
+      request.start = {toMessage(*start)};
+    }
+    return fromMessage(session.reset(request).state);
+  };
+  EXPECT_EQ(reset(7, {}), spawn(7));
+  EXPECT_EQ(reset(8, spawn(8)), spawn(8));
+  EXPECT_EQ(reset(9, spawn(8)), spawn(8)) << "the start counts";
+  EXPECT_EQ(reset(UINT64_MAX, spawn(8)), spawn(8));
+  EXPECT_THAT(seeds, ElementsAre(7U, 8U));
 }
 
 TEST_F(SimulatorSessions, RefuseATaskThatTheirKindDoesNotHold) {

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "pusht_engine/simd.hpp"
 #include "pusht_engine/two_mass_engine.hpp"
 #include "pusht_task/batch_simulator.hpp"
+#include "pusht_task/spawn.hpp"
 
 namespace pusht {
 
@@ -19,6 +21,7 @@ class TwoMassLanes : public BatchSimulator {
 
   int lanes() const override { return static_cast<int>(states_.size()); }
   void reset(int lane, const WorldState& state) override;
+  void spawn(int lane, std::uint64_t seed) override { reset(lane, pusht::spawn(seed)); }
   void step(Actions actions) override;
   WorldState state(int lane) const override;
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <exception>
 #include <memory>
 #include <optional>
@@ -32,6 +33,9 @@ class BatchSimulator {
   /// Resets a lane, as Simulator::reset(). If the world is not at `state` afterwards, the lane keeps that error.
   virtual void reset(int lane, const WorldState& state) = 0;
 
+  /// Resets a lane to what its task draws for `seed`, as Simulator::spawn(). An error stays as reset() says.
+  virtual void spawn(int lane, std::uint64_t seed) = 0;
+
   /// Steps every lane that has an action, as Simulator::step(). A lane's error does not stop the other lanes: the
   /// lane's state() throws it, and the lane stays as it is until it is reset.
   virtual void step(Actions actions) = 0;
@@ -39,6 +43,9 @@ class BatchSimulator {
   /// State of a lane, as Simulator::state(). Throws the error of the lane's last step, InvalidInput before its first
   /// reset.
   virtual WorldState state(int lane) const = 0;
+
+  /// State of a lane, as Simulator::stateInPixels(). It has no meaning where state() throws.
+  virtual const gym_pusht::State* stateInPixels(int /*lane*/) const { return nullptr; }
 };
 
 /// Faults of lanes, for implementations of BatchSimulator. Before its first reset a lane has the fault that it was not
@@ -90,8 +97,10 @@ class SimulatorLanes : public BatchSimulator {
 
   int lanes() const override { return static_cast<int>(worlds_.size()); }
   void reset(int lane, const WorldState& state) override;
+  void spawn(int lane, std::uint64_t seed) override;
   void step(Actions actions) override;
   WorldState state(int lane) const override;
+  const gym_pusht::State* stateInPixels(int lane) const override { return worlds_.at(lane)->stateInPixels(); }
 
  private:
   std::vector<std::unique_ptr<Simulator>> worlds_;

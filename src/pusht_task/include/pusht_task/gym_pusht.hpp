@@ -91,13 +91,16 @@ class World {
 
   virtual State state() const = 0;
 
+  /// [rad] The tee's angle, with the turns that it has made and those of its start.
+  virtual double turnedAngle() const { return state().angle; }
+
   /// Contact points of the tee, summed over the substeps of the latest step or reset.
   virtual int contacts() const = 0;
 };
 
 /// World of another engine, in the task gym_pusht, as gym-pusht's environment would show it: a reset puts the bodies
-/// where gym-pusht's has them before its first substep, an angle goes on counting turns, and of contacts it knows
-/// whether pusher and tee touch after a step.
+/// where gym-pusht's has them before its first substep, and of contacts it knows whether pusher and tee touch after a
+/// step. Its state has the bits of the simulator's, by fromTable(), so the angle is wrapped.
 std::unique_ptr<World> inPixels(std::unique_ptr<Simulator> simulator);
 
 }  // namespace pusht::gym_pusht

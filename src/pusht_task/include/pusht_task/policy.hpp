@@ -9,6 +9,10 @@
 
 namespace pusht {
 
+namespace gym_pusht {
+struct State;
+}
+
 /// Role of the simulator that a closed loop runs in.
 enum class Role { kReference, kEngine };
 
@@ -37,6 +41,7 @@ class Policy {
     Observation observation;
     Memory* memory;                     ///< from begin() of the same policy
     const WorldState* state = nullptr;  ///< state behind the observation; null if the query came over a node
+    const gym_pusht::State* state_in_pixels = nullptr;  ///< the same, as Simulator::stateInPixels()
   };
 
   Policy() = default;

@@ -2,6 +2,7 @@
 /// Interface of a simulator.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "pusht_task/constants.hpp"
@@ -9,6 +10,10 @@
 #include "pusht_task/types.hpp"
 
 namespace pusht {
+
+namespace gym_pusht {
+struct State;
+}
 
 // Rules of every reset and step, for implementations without Simulator.
 
@@ -46,6 +51,11 @@ class Simulator {
   /// startTolerance().
   void reset(const WorldState& state);
 
+  /// Sets the world to the start that its task draws for `seed`, as reset(spawn(seed, task())) does, but with all bits
+  /// of the draw, should a WorldState not have them. Throws as reset(), and InvalidInput for a seed beyond the task's
+  /// last.
+  void spawn(std::uint64_t seed);
+
   /// Takes one control step with `action`, clipped as the task says. Success never stops a world.
   /// Throws InvalidInput before a reset, the first one or the one after a fault, or if the action is not finite, with
   /// the world as it was;
@@ -56,6 +66,10 @@ class Simulator {
   /// changes no bit. It has no meaning before the first reset or after a fault.
   WorldState state() const { return doState(); }
 
+  /// The same in gym-pusht's frame, of a world that is computed there: with bits that a WorldState has not. Null for
+  /// any other. Valid until the world is next reset or stepped.
+  virtual const gym_pusht::State* stateInPixels() const { return nullptr; }
+
   /// Maximum deviation of the state after a reset from the requested state [m, rad, m/s, rad/s].
   double startTolerance() const { return start_tolerance_; }
 
@@ -64,8 +78,13 @@ class Simulator {
 
  private:
   virtual void doReset(const WorldState& state) = 0;
+  /// `start` is the task's draw for `seed`.
+  virtual void doSpawn(const WorldState& start, std::uint64_t /*seed*/) { doReset(start); }
   virtual void doStep(const Action& action) = 0;
   virtual WorldState doState() const = 0;
+
+  template <class Reset>
+  void begin(const WorldState& start, const Reset& reset);
 
   std::string name_;
   double start_tolerance_;

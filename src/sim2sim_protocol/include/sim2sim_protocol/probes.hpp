@@ -72,10 +72,10 @@ std::vector<std::string> modelVariantsFrom(const std::string& text);
 /// Finds a probe by its name. Throws InvalidInput if there is none.
 Probe probeFrom(const std::string& name);
 
-/// Runs a probe in open loop in a lane of `world`. `initial_state` and `reference` are the initial state and the
-/// reference's trace of the episode. `before_step` gets the index of each step before it is taken; it may throw. Throws
-/// as BatchSimulator.
-pusht::Trace runProbe(const Probe& probe, const pusht::WorldState& initial_state, const pusht::Trace& reference,
-                      pusht::BatchSimulator& world, std::size_t lane, const std::function<void(int)>& before_step);
+/// Runs a probe in open loop in a lane of `world`, which is at the probe's start. `reference` is the reference's trace
+/// of the episode. `before_step` gets the index of each step before it is taken; it may throw. Throws as
+/// BatchSimulator.
+pusht::Trace runProbe(const Probe& probe, const pusht::Trace& reference, pusht::BatchSimulator& world, std::size_t lane,
+                      const std::function<void(int)>& before_step);
 
 }  // namespace sim2sim

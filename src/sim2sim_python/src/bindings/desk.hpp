@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "pusht_task/gym_pusht.hpp"
 #include "pusht_task/policy.hpp"
 
 namespace sim2sim::python {
@@ -22,6 +23,7 @@ namespace sim2sim::python {
 struct Glimpse {
   pusht::Observation observation{};
   std::optional<pusht::WorldState> state{};  ///< state behind the observation; none if the query has none
+  std::optional<pusht::gym_pusht::State> state_in_pixels{};  ///< likewise
 };
 
 /// Row of a query: a rollout in which the callable is asked for a new answer.

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <iterator>
+#include <optional>
 #include <utility>
 
 #include "bindings.hpp"
@@ -85,8 +86,23 @@ bool isAlike(const std::vector<pusht::Action>& one, const std::vector<pusht::Act
 
 RolloutMemory& memoryOf(const pusht::Policy::Query& query) { return static_cast<RolloutMemory&>(*query.memory); }
 
+template <class Value>
+std::optional<Value> copyOf(const Value* value) {
+  return value == nullptr ? std::nullopt : std::optional(*value);
+}
+
 Glimpse glimpseOf(const pusht::Policy::Query& query) {
-  return {query.observation, query.state == nullptr ? std::nullopt : std::optional(*query.state)};
+  return {query.observation, copyOf(query.state), copyOf(query.state_in_pixels)};
+}
+
+pusht::gym_pusht::State inPixels(const Glimpse& glimpse) {
+  if (glimpse.state_in_pixels) {
+    return *glimpse.state_in_pixels;
+  }
+  if (!glimpse.state) {
+    throw pusht::InternalError("a policy that sees states must be asked with them");
+  }
+  return pusht::gym_pusht::fromTable(*glimpse.state);
 }
 
 std::string shapeOf(const py::array& array) { return py::str(array.attr("shape")); }
@@ -193,12 +209,8 @@ py::object Callable::observationsOf(const std::vector<Row*>& rows) const {
   if (sight_.is_none()) {
     return arrayOf<float>(rows, kNumbers, [](const Glimpse& glimpse) { return glimpse.observation; });
   }
-  return sight_(arrayOf<double>(rows, kPixelNumbers, [](const Glimpse& glimpse) {
-    if (!glimpse.state) {
-      throw pusht::InternalError("a policy that sees states must be asked with them");
-    }
-    return numbersInPixels(pusht::gym_pusht::fromTable(*glimpse.state));
-  }));
+  return sight_(
+      arrayOf<double>(rows, kPixelNumbers, [](const Glimpse& glimpse) { return numbersInPixels(inPixels(glimpse)); }));
 }
 
 py::object Callable::ask(const std::vector<Row*>& rows) const {

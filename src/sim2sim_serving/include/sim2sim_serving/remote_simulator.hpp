@@ -65,10 +65,12 @@ class RemoteSimulator : public Simulator {
                   const Task& task);
 
   void doReset(const WorldState& state) override;
+  void doSpawn(const WorldState& start, std::uint64_t seed) override;
   void doStep(const Action& action) override;
   WorldState doState() const override { return state_; }
 
   void configure(const std::string& kind, const Parameters& changes);
+  void begin(const WorldState& start, pusht_msgs::ResetRequest request);
   pusht_msgs::ResetResponse take(pusht_msgs::ResetRequest request);
   void requireParameters(const std::string& hash) const;
 

@@ -431,7 +431,7 @@ class Compared(unittest.TestCase):
             rows = observation if isinstance(observation, np.ndarray) else observation["agent_pos"]
             return np.tile(self.PLACE, (len(rows), 1))
 
-        options = {**self.OPTIONS, "first_episode": episode}
+        options: Dict[str, Any] = {**self.OPTIONS, "first_episode": episode}
         sim2sim.compare(to_a_place, obs_type=obs_type, history=history, **options)
         return shown[-self.OPTIONS["horizon"] :]
 

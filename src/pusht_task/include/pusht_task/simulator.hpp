@@ -66,8 +66,8 @@ class Simulator {
   /// changes no bit. It has no meaning before the first reset or after a fault.
   WorldState state() const { return doState(); }
 
-  /// The same in gym-pusht's frame, of a world that is computed there: with bits that a WorldState has not. Null for
-  /// any other. Valid until the world is next reset or stepped.
+  /// State in gym-pusht's frame of a world that is computed there, with bits that state() has not. Null for any other
+  /// world. It is valid until the world is next reset or stepped.
   virtual const gym_pusht::State* stateInPixels() const { return nullptr; }
 
   /// Maximum deviation of the state after a reset from the requested state [m, rad, m/s, rad/s].

@@ -14,7 +14,6 @@
 #include "bindings.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/simulator.hpp"
-#include "pusht_task/spawn.hpp"
 #include "pusht_task/state_fields.hpp"
 #include "sim2sim_serving/simulator_kinds.hpp"
 #include "without_gil.hpp"
@@ -75,22 +74,25 @@ WorldBatch::WorldBatch(const std::string& kind, const py::dict& parameters, int 
 
 double WorldBatch::actionLimit() const { return task_->action_limit.value_or(std::numeric_limits<float>::infinity()); }
 
-void WorldBatch::spawn(int world, std::uint64_t seed) { begin(world, pusht::spawn(seed, *task_)); }
+void WorldBatch::spawn(int world, std::uint64_t seed) {
+  begin(world, [&] { worlds_->spawn(world, seed); });
+}
 
 void WorldBatch::reset(int world, const States& state) {
   pusht::WorldState start;
   for (std::size_t i = 0; i < pusht::kStateFields.size(); ++i) {
     pusht::kStateFields[i].of(start) = state.at(static_cast<py::ssize_t>(i));
   }
-  begin(world, start);
+  begin(world, [&] { worlds_->reset(world, start); });
 }
 
-void WorldBatch::begin(int world, const pusht::WorldState& start) {
+template <class Reset>
+void WorldBatch::begin(int world, const Reset& reset) {
   const auto index = static_cast<std::size_t>(world);
   const WithoutGil released;
   const std::lock_guard<std::mutex> lock(mutex_);
   inWorld(index, episodes_.size(), [&] {
-    worlds_->reset(world, start);
+    reset();
     episodes_.at(index) = {worlds_->state(world), pusht::SuccessLatch(*task_), 0.0, 0};
   });
 }

@@ -69,7 +69,8 @@ class WorldBatch {
     std::int64_t steps = 0;
   };
 
-  void begin(int world, const pusht::WorldState& start);
+  template <class Reset>
+  void begin(int world, const Reset& reset);
   void record(std::size_t world);
 
   template <class Value, class Function>

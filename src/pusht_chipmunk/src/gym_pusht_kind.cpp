@@ -31,7 +31,7 @@ class GymPushtSimulator : public Simulator {
  private:
   void doReset(const WorldState& state) override {
     world_.restore(gym_pusht::fromTable(state, world_.centerOfGravity()));
-    begin(state);
+    standAt(state);
   }
 
   void doSpawn(const WorldState& start, std::uint64_t seed) override {
@@ -40,11 +40,13 @@ class GymPushtSimulator : public Simulator {
       return;
     }
     world_.reset(gym_pusht::drawn(static_cast<std::uint32_t>(seed)));
-    begin(start);
+    standAt(start);
   }
 
-  void begin(const WorldState& start) {
+  /// Remembers that the world is at `start`, in other bits.
+  void standAt(const WorldState& start) {
     in_pixels_ = world_.state();
+    requireStart(start, gym_pusht::toTable(in_pixels_, world_.centerOfGravity()), kGymStartTolerance);
     start_ = start;
   }
 

@@ -42,23 +42,23 @@ class InPixels final : public World {
   void reset(const State& asked) override {
     const State start = turned(asked);
     simulator_->reset(toTable(start));
-    turned_ = start.angle;
+    unwrapped_ = start.angle;
   }
 
   void step(const Vector2d& target) override {
     simulator_->step({static_cast<float>(target.x()), static_cast<float>(target.y())});
-    turned_ += wrapAngle(state().angle - turned_);
+    unwrapped_ += wrapAngle(state().angle - unwrapped_);
   }
 
   State state() const override { return fromTable(simulator_->state()); }
 
-  double turnedAngle() const override { return turned_; }
+  double unwrappedAngle() const override { return unwrapped_; }
 
   int contacts() const override { return contactsOf(simulator_->state(), gymPusht()).part() != Part::kNone ? 1 : 0; }
 
  private:
   std::unique_ptr<Simulator> simulator_;
-  double turned_ = 0.0;  // [rad]
+  double unwrapped_ = 0.0;  // [rad]
 };
 
 }  // namespace

@@ -71,7 +71,7 @@ struct Shown {
   Observation observation{};
   bool has_state = false;  ///< not if the observation came over a node
   WorldState state{};
-  std::optional<gym_pusht::State> in_pixels{};  ///< none in other worlds, or if a sensor errs
+  std::optional<gym_pusht::State> in_pixels{};  ///< none unless world and sensors have its bits
 };
 
 /// Errors of a sensor, in the units and the frame of a task's observations.

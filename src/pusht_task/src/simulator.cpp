@@ -152,16 +152,16 @@ Simulator::Simulator(std::string name, double start_tolerance, const Task& task)
 
 void Simulator::reset(const WorldState& state) {
   const WorldState start = checkedStart(state);
-  begin(start, [&] { doReset(start); });
+  startChecked(start, [&] { doReset(start); });
 }
 
 void Simulator::spawn(std::uint64_t seed) {
   const WorldState start = checkedStart(pusht::spawn(seed, *task_));
-  begin(start, [&] { doSpawn(start, seed); });
+  startChecked(start, [&] { doSpawn(start, seed); });
 }
 
 template <class Reset>
-void Simulator::begin(const WorldState& start, const Reset& reset) {
+void Simulator::startChecked(const WorldState& start, const Reset& reset) {
   ready_ = false;
   reset();
   inNameOf(name_, [&] { requireStart(start, this->state(), start_tolerance_); });

@@ -5,6 +5,7 @@
 import csv
 import signal
 import subprocess
+import sys
 import unittest
 from pathlib import Path
 from runpy import run_path
@@ -25,6 +26,23 @@ SHORT = ("--policy", "expert", "--episodes", "3", "--horizon", "40")
 GYM_TEE = str(Path(__file__).with_name("gym_simulator"))
 IN_PIXELS = ("--task", "gym_pusht", *SHORT)
 MORTAL = str(Path(__file__).with_name("mortal_simulator"))
+SEES = """
+import sys
+import numpy as np
+import sim2sim
+
+def to_the_tee(states):
+    seen.append(states)
+    return states[:, 2:4].astype(np.float32)
+
+seen = []
+sim2sim.compare(
+    to_the_tee, task="gym_pusht", reference=sys.argv[1], engine="none", obs_type="state",
+    episodes=2, horizon=40,
+)
+rows = np.unique(np.concatenate(seen), axis=0)
+print(len(np.unique(rows[:, 2:], axis=0)), rows.tobytes().hex())
+"""
 PLAN = """
 policy: expert
 episodes: 3
@@ -132,6 +150,17 @@ class Bytes(Served):
         words = "task full_circle: the kind gym_pusht holds only gym_pusht"
         refused = self.refused(2, *alone[:-1], "--engine", "node:/reference")
         self.assertIn(words, refused)
+
+    def test_what_a_callable_sees_in_pixels(self) -> None:
+        """The node's own bits, which a state in the table's frame has not."""
+        self.start_node(node_file("sim2sim_eval", "simulator_node"), arguments=["_kind:=gym_pusht"])
+        here = self.succeed(sys.executable, "-c", SEES, "gym_pusht")
+        there = self.succeed(
+            sys.executable, "-c", SEES, "node:/engine", environment=self.environment
+        )
+        self.assertEqual(there, here)
+        poses = int(here.split()[0])
+        self.assertGreater(poses, 20, "of a tee that is pushed")
 
     def test_in_another_task_of_a_class(self) -> None:
         """In process, and as a node."""

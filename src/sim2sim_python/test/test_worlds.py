@@ -67,6 +67,22 @@ class OneWorld(unittest.TestCase):
                         ),
                     )
 
+    def test_episodes_in_gym_pushts_world_are_those_of_a_comparison_too(self) -> None:
+        options = {"task": "gym_pusht", "horizon": 60}
+        run = sim2sim.compare(
+            "expert", reference="gym_pusht", engine="none", episodes=3, floor=False, **options
+        )
+        policy = sim2sim.load_policy("expert", task="gym_pusht")
+        world = sim2sim.make("gym_pusht", **options)
+        far = []
+        for row, seed in enumerate(run.episodes["seed"]):
+            _, info = episode_of(world, policy, int(seed))
+            start = world.reset(seed=int(seed))[1]
+            far.append(info["position_error"] != start["position_error"])
+            self.assertEqual(info["position_error"], run.episodes["final_position_error_m"][row])
+            self.assertEqual(info["angle_error"], run.episodes["final_angle_error_rad"][row])
+        self.assertIn(True, far, "no tee has moved")
+
     def test_success_terminates_and_the_horizon_truncates(self) -> None:
         on_target = {"pusher_x": 0.3, "pusher_y": 0.3, "tee_x": 0.0, "tee_y": 0.0, "tee_yaw": 0.0}
         world = sim2sim.make("mujoco", horizon=7)

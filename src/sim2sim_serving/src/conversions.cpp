@@ -34,6 +34,32 @@ WorldState fromMessage(const pusht_msgs::WorldState& message) {
   return state;
 }
 
+pusht_msgs::PixelState toMessage(const gym_pusht::State& state) {
+  pusht_msgs::PixelState message;
+  message.pusher_x = state.pusher.x();
+  message.pusher_y = state.pusher.y();
+  message.pusher_vx = state.pusher_velocity.x();
+  message.pusher_vy = state.pusher_velocity.y();
+  message.tee_x = state.tee.x();
+  message.tee_y = state.tee.y();
+  message.angle = state.angle;
+  message.tee_vx = state.tee_velocity.x();
+  message.tee_vy = state.tee_velocity.y();
+  message.rate = state.rate;
+  return message;
+}
+
+gym_pusht::State fromMessage(const pusht_msgs::PixelState& message) {
+  gym_pusht::State state;
+  state.pusher = {message.pusher_x, message.pusher_y};
+  state.pusher_velocity = {message.pusher_vx, message.pusher_vy};
+  state.tee = {message.tee_x, message.tee_y};
+  state.angle = message.angle;
+  state.tee_velocity = {message.tee_vx, message.tee_vy};
+  state.rate = message.rate;
+  return state;
+}
+
 nlohmann::json provenanceOf(const pusht_msgs::DescribeResponse& node) {
   nlohmann::json provenance = parseJson(node.provenance);
   if (!provenance.is_object()) {

@@ -2,9 +2,12 @@
 #include "sim2sim_serving/remote_simulator.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 #include "pusht_task/constants.hpp"
 #include "pusht_task/error.hpp"
+#include "pusht_task/numbers.hpp"
 #include "pusht_task/spawn.hpp"
 #include "sim2sim_serving/conversions.hpp"
 #include "sim2sim_serving/node.hpp"
@@ -30,6 +33,18 @@ void setTask(const Task& task, bool says_task, Parameters& changes) {
   changes = withoutTask(std::move(changes));
   if (&task != &fullCircle() || says_task) {
     changes.push_back(parameter(kTaskParameter, textOf(task)));
+  }
+}
+
+/// Throws BadDependency if two states that a node reports are not the same.
+void requireSame(const gym_pusht::State& in_pixels, const WorldState& state, const std::string& node) {
+  const WorldState in_table = gym_pusht::toTable(in_pixels);
+  const std::array<double, 3> off = {(in_table.pusher_position - state.pusher_position).norm(),
+                                     (in_table.tee_position - state.tee_position).norm(),
+                                     std::abs(wrapAngle(in_table.tee_yaw - state.tee_yaw))};
+  if (!std::all_of(off.begin(), off.end(), [](double error) { return error <= kStartTolerance; })) {
+    throw BadDependency(node + ": state_in_pixels: must be the state, to " + shortestText(kStartTolerance) +
+                        " m and rad");
   }
 }
 
@@ -139,22 +154,23 @@ pusht_msgs::DescribeResponse RemoteSimulator::describe() {
   return description;
 }
 
-void RemoteSimulator::doReset(const WorldState& state) { begin(state, {}); }
+void RemoteSimulator::doReset(const WorldState& state) { requestReset(state, {}); }
 
 void RemoteSimulator::doSpawn(const WorldState& start, std::uint64_t seed) {
-  pusht_msgs::ResetRequest of_seed;
-  of_seed.seed = seed;
-  begin(start, of_seed);
+  pusht_msgs::ResetRequest request;
+  request.seed = seed;
+  request.drawn = 1;
+  requestReset(start, request);
 }
 
-/// Begins an episode at `start`, which nodes get whatever else is in the request: not all have the seeds of a task.
-void RemoteSimulator::begin(const WorldState& start, pusht_msgs::ResetRequest request) {
+/// Sends `start` always, as not every node can draw the seeds of every task.
+void RemoteSimulator::requestReset(const WorldState& start, pusht_msgs::ResetRequest request) {
   request.start = {toMessage(start)};
   request.episode = episode_;
   request.horizon = static_cast<std::uint32_t>(horizon_);
   const pusht_msgs::ResetResponse response = take(request);
   requireParameters(response.parameters_hash);
-  state_ = fromMessage(response.state);
+  keepState(response);
   next_step_ = 0;
 }
 
@@ -165,8 +181,18 @@ void RemoteSimulator::doStep(const Action& action) {
   request.action = {action[0], action[1]};
   request.stamp = silent_ ? ros::Time() : stamps_.now();
   request.token = token_;
-  state_ = fromMessage(answerOf(step_, request).state);
+  keepState(answerOf(step_, request));
   ++next_step_;
+}
+
+template <class Response>
+void RemoteSimulator::keepState(const Response& response) {
+  state_ = fromMessage(response.state);
+  state_in_pixels_.reset();
+  if (!response.state_in_pixels.empty()) {
+    state_in_pixels_ = fromMessage(response.state_in_pixels.front());
+    requireSame(*state_in_pixels_, state_, peer_.services());
+  }
 }
 
 pusht_msgs::ResetResponse RemoteSimulator::take(pusht_msgs::ResetRequest request) {

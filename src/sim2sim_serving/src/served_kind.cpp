@@ -167,6 +167,8 @@ class ServedWorld : public Simulator {
         node_(std::move(node)),
         world_(node_->open(parameters, task)) {}
 
+  const gym_pusht::State* stateInPixels() const override { return world_->stateInPixels(); }
+
  private:
   void doReset(const WorldState& state) override {
     node_->requireThere();

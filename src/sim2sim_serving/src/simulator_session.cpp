@@ -79,21 +79,26 @@ SimulatorModel loadedInTask(const SimulatorKind& kind, ParameterSet parameters) 
   return model;
 }
 
-/// Whether `start` is what the task draws for `seed`.
-bool isDrawn(const WorldState& start, std::uint64_t seed, const Task& task) {
-  return seed <= task.last_spawn_seed && start == spawn(seed, task);
-}
-
-/// Resets `world` to the start of a request, which is a draw even if the request also says what is drawn.
+/// Resets `world` to the start of a request.
 void reset(Simulator& world, const pusht_msgs::ResetRequest& request) {
   if (request.start.size() > 1) {
     throw InvalidInput("start: " + std::to_string(request.start.size()) + " states; must be one, or none for the seed");
   }
-  if (request.start.empty() || isDrawn(fromMessage(request.start.front()), request.seed, world.task())) {
-    world.spawn(request.seed);
-  } else {
+  const bool drawn = request.start.empty() || request.drawn != 0;
+  if (!drawn) {
     world.reset(fromMessage(request.start.front()));
+    return;
   }
+  if (!request.start.empty() && fromMessage(request.start.front()) != spawn(request.seed, world.task())) {
+    throw InvalidInput("start: must be the draw of seed " + std::to_string(request.seed) + ", as the request says");
+  }
+  world.spawn(request.seed);
+}
+
+/// State of a world that is computed in pixels; none of any other.
+std::vector<pusht_msgs::PixelState> inPixels(const Simulator& world) {
+  const gym_pusht::State* state = world.stateInPixels();
+  return state == nullptr ? std::vector<pusht_msgs::PixelState>() : std::vector{toMessage(*state)};
 }
 
 }  // namespace
@@ -129,6 +134,7 @@ pusht_msgs::ResetResponse SimulatorSession::reset(const pusht_msgs::ResetRequest
     response.instance_id = instance_id_;
     response.stamp = stamp;
     response.state = toMessage(world_->state());
+    response.state_in_pixels = inPixels(*world_);
     response.parameters_hash = hashOf(toMessages(model_.parameters));
     const std::uint32_t horizon = request.horizon == 0 ? kHorizon : request.horizon;
     episode_ = Episode{request.episode, horizon, 0, false, request, response, {}, {}};
@@ -159,6 +165,7 @@ pusht_msgs::StepResponse SimulatorSession::step(const pusht_msgs::StepRequest& r
     response.stamp = stamp;
     response.step = episode_->steps++;
     response.state = toMessage(world_->state());
+    response.state_in_pixels = inPixels(*world_);
     episode_->last = request;
     episode_->taken = response;
     observe(clip(action, world_->task()));

@@ -29,10 +29,16 @@ using ::testing::SizeIs;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// World that notes the seeds of its draws.
+/// World that notes the seeds of its draws, and is 1 px further in its own bits.
 class Drawn : public Simulator {
  public:
-  explicit Drawn(std::vector<std::uint64_t>& seeds) : seeds_(seeds) {}
+  Drawn(std::vector<std::uint64_t>& seeds, const Task& task) : Simulator("", 1e-12, task), seeds_(seeds) {}
+
+  const gym_pusht::State* stateInPixels() const override {
+    in_pixels_ = gym_pusht::fromTable(state_);
+    in_pixels_.pusher.x() += 1.0;
+    return &in_pixels_;
+  }
 
  private:
   void doReset(const WorldState& state) override { state_ = state; }
@@ -45,6 +51,7 @@ class Drawn : public Simulator {
 
   std::vector<std::uint64_t>& seeds_;
   WorldState state_;
+  mutable gym_pusht::State in_pixels_;
 };
 
 /// The pusher goes where it is told; after `steps_to_failure` steps since the start the simulation fails.
@@ -92,6 +99,19 @@ class SimulatorSessions : public ::testing::Test {
       return model;
     };
     return kind;
+  }
+
+  /// Kind of gym-pusht's task.
+  static SimulatorKind drawnKind(std::vector<std::uint64_t>& seeds) {
+    SimulatorKind drawn = kind();
+    drawn.tasks = {"gym_pusht"};
+    drawn.loader = [&seeds](const ParameterSet& parameters, const Task& task) {
+      SimulatorModel model;
+      model.parameters = parameters;
+      model.make_world = [&seeds, &task] { return std::make_unique<Drawn>(seeds, task); };
+      return model;
+    };
+    return drawn;
   }
 
   pusht_msgs::ResetResponse reset(std::uint64_t episode = 0, const ros::Time& stamp = {}) {
@@ -186,30 +206,45 @@ TEST_F(SimulatorSessions, TakeATaskAndGiveItBack) {
   EXPECT_EQ(fromMessage(session.reset(request).state), spawn(100'007));
 }
 
-/// A world is told of its draw, by a caller that sends no start, or that one.
+/// A world is told of its draw by a caller that sends no start, or says that its start is one.
 TEST_F(SimulatorSessions, TellTheWorldOfADraw) {
   std::vector<std::uint64_t> seeds;
-  SimulatorKind drawn = kind();
-  drawn.loader = [&seeds](const ParameterSet& parameters) {
-    SimulatorModel model;
-    model.parameters = parameters;
-    model.make_world = [&seeds] { return std::make_unique<Drawn>(seeds); };
-    return model;
-  };
-  SimulatorSession session(drawn, drawn.defaults(), "drawn", [](const auto&) {});
-  const auto reset = [&session](std::uint64_t seed, const std::optional<WorldState>& start) {
+  SimulatorSession session(drawnKind(seeds), withTask(drawnKind(seeds)), "drawn", [](const auto&) {});
+  const auto reset = [&session](std::uint64_t seed, const std::vector<WorldState>& start, bool is_drawn) {
     pusht_msgs::ResetRequest request;
     request.seed = seed;
-    if (start) {
-      request.start = {toMessage(*start)};
+    request.drawn = is_drawn ? 1 : 0;
+    for (const WorldState& state : start) {
+      request.start.push_back(toMessage(state));
     }
-    return fromMessage(session.reset(request).state);
+    return session.reset(request);
   };
-  EXPECT_EQ(reset(7, {}), spawn(7));
-  EXPECT_EQ(reset(8, spawn(8)), spawn(8));
-  EXPECT_EQ(reset(9, spawn(8)), spawn(8)) << "the start counts";
-  EXPECT_EQ(reset(UINT64_MAX, spawn(8)), spawn(8));
+  const auto drawn_by = [](std::uint64_t seed) { return spawn(seed, gymPusht()); };
+  EXPECT_EQ(fromMessage(reset(7, {}, false).state), drawn_by(7));
+  EXPECT_EQ(fromMessage(reset(8, {drawn_by(8)}, true).state), drawn_by(8));
   EXPECT_THAT(seeds, ElementsAre(7U, 8U));
+  EXPECT_EQ(fromMessage(reset(9, {drawn_by(8)}, false).state), drawn_by(8)) << "the start counts";
+  EXPECT_EQ(fromMessage(reset(0, {drawn_by(0)}, false).state), drawn_by(0));
+  EXPECT_EQ(fromMessage(reset(std::uint64_t{1} << 32U, {drawn_by(8)}, false).state), drawn_by(8));
+  EXPECT_EQ(reset(9, {drawn_by(8)}, true).message, "start: must be the draw of seed 9, as the request says");
+  EXPECT_THAT(reset(std::uint64_t{1} << 32U, {drawn_by(8)}, true).message, HasSubstr("must be at most 4294967295"));
+  EXPECT_THAT(seeds, SizeIs(2)) << "no other start is a draw";
+}
+
+/// A node says a state in pixels in the bits of its world.
+TEST_F(SimulatorSessions, SayTheBitsOfAWorldInPixels) {
+  std::vector<std::uint64_t> seeds;
+  SimulatorSession session(drawnKind(seeds), withTask(drawnKind(seeds)), "drawn", [](const auto&) {});
+  const auto begun = session.reset({});
+  ASSERT_THAT(begun.state_in_pixels, SizeIs(1));
+  const gym_pusht::State expected = gym_pusht::fromTable(fromMessage(begun.state));
+  const gym_pusht::State said = fromMessage(begun.state_in_pixels.front());
+  EXPECT_EQ(said.pusher.x(), expected.pusher.x() + 1.0);
+  EXPECT_EQ(said.pusher.y(), expected.pusher.y());
+  EXPECT_EQ(said.tee, expected.tee);
+  EXPECT_EQ(said.angle, expected.angle);
+  EXPECT_EQ(session.step({}).state_in_pixels, begun.state_in_pixels) << "it rests";
+  EXPECT_THAT(session_.reset({}).state_in_pixels, IsEmpty());
 }
 
 TEST_F(SimulatorSessions, RefuseATaskThatTheirKindDoesNotHold) {

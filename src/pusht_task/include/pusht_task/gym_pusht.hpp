@@ -36,7 +36,7 @@ struct State {
   Eigen::Vector2d pusher = Eigen::Vector2d::Zero();           ///< [px]
   Eigen::Vector2d pusher_velocity = Eigen::Vector2d::Zero();  ///< [px/s]
   Eigen::Vector2d tee = Eigen::Vector2d::Zero();              ///< [px] of its origin
-  double angle = 0.0;                                         ///< [rad] as it has been turned: not wrapped
+  double angle = 0.0;                                         ///< [rad] not wrapped, unless it was in a WorldState
   Eigen::Vector2d tee_velocity = Eigen::Vector2d::Zero();     ///< [px/s] of its center of gravity
   double rate = 0.0;                                          ///< [rad/s]
 };
@@ -89,10 +89,11 @@ class World {
   /// Takes a control step towards `target` [px], which is not clipped.
   virtual void step(const Eigen::Vector2d& target) = 0;
 
+  /// State of the world. Its angle is wrapped in a world that wraps it, as other engines' do.
   virtual State state() const = 0;
 
-  /// [rad] The tee's angle, with the turns that it has made and those of its start.
-  virtual double turnedAngle() const { return state().angle; }
+  /// [rad] The tee's angle with the turns that it has made, and those of its start.
+  virtual double unwrappedAngle() const { return state().angle; }
 
   /// Contact points of the tee, summed over the substeps of the latest step or reset.
   virtual int contacts() const = 0;

@@ -41,7 +41,9 @@ class Policy {
     Observation observation;
     Memory* memory;                     ///< from begin() of the same policy
     const WorldState* state = nullptr;  ///< state behind the observation; null if the query came over a node
-    const gym_pusht::State* state_in_pixels = nullptr;  ///< the same, as Simulator::stateInPixels()
+    /// State in gym-pusht's own bits, as Simulator::stateInPixels(); null also if the query came over a node, or from a
+    /// sensor with noise.
+    const gym_pusht::State* state_in_pixels = nullptr;
   };
 
   Policy() = default;

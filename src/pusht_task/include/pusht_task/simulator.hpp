@@ -63,7 +63,7 @@ class Simulator {
   void step(const Action& action);
 
   /// State of the world. After reset(s) it is s to startTolerance(), as far as s can be represented; a reset to it
-  /// changes no bit. It has no meaning before the first reset or after a fault.
+  /// changes no bit of it. It has no meaning before the first reset or after a fault.
   WorldState state() const { return doState(); }
 
   /// State in gym-pusht's frame of a world that is computed there, with bits that state() has not. Null for any other
@@ -84,7 +84,7 @@ class Simulator {
   virtual WorldState doState() const = 0;
 
   template <class Reset>
-  void begin(const WorldState& start, const Reset& reset);
+  void startChecked(const WorldState& start, const Reset& reset);
 
   std::string name_;
   double start_tolerance_;

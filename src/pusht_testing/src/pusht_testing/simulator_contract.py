@@ -46,6 +46,11 @@ class SimulatorContract(SimulatorCase):
         for seed in (0, 3, 10_000, 2**64 - 1):
             self.assert_near(self.accepted("reset", seed=seed).state, spawn(seed))
 
+    def test_a_start_counts_whatever_the_seed(self) -> None:
+        for seed, drawn in ((3, False), (4, True)):
+            reset = self.accepted("reset", start=[message_of(spawn(4))], seed=seed, drawn=drawn)
+            self.assert_near(reset.state, spawn(4))
+
     def test_start_is_taken_with_its_velocities(self) -> None:
         self.assert_near(self.begin(start=[message_of(MOVING)]).state, MOVING)
 

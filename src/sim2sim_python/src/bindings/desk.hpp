@@ -23,7 +23,7 @@ namespace sim2sim::python {
 struct Glimpse {
   pusht::Observation observation{};
   std::optional<pusht::WorldState> state{};  ///< state behind the observation; none if the query has none
-  std::optional<pusht::gym_pusht::State> state_in_pixels{};  ///< likewise
+  std::optional<pusht::gym_pusht::State> state_in_pixels{};  ///< that of the query; none if it has none
 };
 
 /// Row of a query: a rollout in which the callable is asked for a new answer.

@@ -136,8 +136,8 @@ py::array_t<Value> PixelWorlds::column(const Function& function) const {
   return values;
 }
 
-py::array_t<double> PixelWorlds::angles() const {
-  return column<double>([](const gym::World& world) { return world.turnedAngle(); });
+py::array_t<double> PixelWorlds::unwrappedAngles() const {
+  return column<double>([](const gym::World& world) { return world.unwrappedAngle(); });
 }
 
 py::array_t<double> PixelWorlds::coverages() const {
@@ -166,7 +166,7 @@ void bindPixelWorlds(py::module_& module) {
       .def("reset", &PixelWorlds::reset, py::arg("world"), py::arg("asked"))
       .def("step", &PixelWorlds::step, py::arg("targets"), py::arg("mask"))
       .def_property_readonly("states", &PixelWorlds::states)
-      .def_property_readonly("angles", &PixelWorlds::angles)
+      .def_property_readonly("unwrapped_angles", &PixelWorlds::unwrappedAngles)
       .def_property_readonly("coverages", &PixelWorlds::coverages)
       .def_property_readonly("rewards", &PixelWorlds::rewards)
       .def_property_readonly("contacts", &PixelWorlds::contacts);

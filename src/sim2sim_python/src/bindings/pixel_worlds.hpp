@@ -40,11 +40,11 @@ class PixelWorlds {
   /// if a state is no longer plausible.
   void step(const Numbers& targets, const Mask& mask);
 
-  pybind11::array_t<double> states() const;     ///< [n, kPixelNumbers] numbersInPixels()
-  pybind11::array_t<double> angles() const;     ///< [n] gym_pusht::World::turnedAngle()
-  pybind11::array_t<double> coverages() const;  ///< [n] share of the target that is covered
-  pybind11::array_t<double> rewards() const;    ///< [n] pusht::reward()
-  pybind11::array_t<int> contacts() const;      ///< [n] gym_pusht::World::contacts()
+  pybind11::array_t<double> states() const;           ///< [n, kPixelNumbers] numbersInPixels()
+  pybind11::array_t<double> unwrappedAngles() const;  ///< [n] gym_pusht::World::unwrappedAngle()
+  pybind11::array_t<double> coverages() const;        ///< [n] share of the target that is covered
+  pybind11::array_t<double> rewards() const;          ///< [n] pusht::reward()
+  pybind11::array_t<int> contacts() const;            ///< [n] gym_pusht::World::contacts()
 
  private:
   template <class Value, class Function>

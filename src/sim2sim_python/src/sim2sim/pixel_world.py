@@ -87,7 +87,7 @@ class _PixelEpisodes:
         return {
             "pos_agent": states[:, :2].copy(),
             "vel_agent": states[:, 2:4].copy(),
-            "block_pose": np.column_stack([states[:, 4:6], self._worlds.angles]),
+            "block_pose": np.column_stack([states[:, 4:6], self._worlds.unwrapped_angles]),
             "goal_pose": np.tile(self.goal_pose, (len(states), 1)),
             "n_contacts": contacts.astype(np.int64),
         }

@@ -3,10 +3,12 @@
 #pragma once
 
 #include <pusht_msgs/Describe.h>
+#include <pusht_msgs/PixelState.h>
 #include <pusht_msgs/WorldState.h>
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "pusht_task/gym_pusht.hpp"
 #include "pusht_task/types.hpp"
 
 namespace pusht {
@@ -15,6 +17,10 @@ namespace pusht {
 pusht_msgs::WorldState toMessage(const WorldState& state);
 /// State with the numbers of a message, bit for bit.
 WorldState fromMessage(const pusht_msgs::WorldState& message);
+/// Message with the numbers of a state in pixels, bit for bit.
+pusht_msgs::PixelState toMessage(const gym_pusht::State& state);
+/// State in pixels with the numbers of a message, bit for bit.
+gym_pusht::State fromMessage(const pusht_msgs::PixelState& message);
 
 /// Provenance that a node reports, with its "version": all that its numbers depend on. Throws BadDependency if it is no
 /// JSON object.

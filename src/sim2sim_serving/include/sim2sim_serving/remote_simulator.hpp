@@ -8,8 +8,10 @@
 #include <pusht_msgs/Step.h>
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
+#include "pusht_task/gym_pusht.hpp"
 #include "pusht_task/simulator.hpp"
 #include "sim2sim_serving/node_parameters.hpp"
 #include "sim2sim_serving/peer.hpp"
@@ -33,7 +35,8 @@ class StampSource {
 double startToleranceOf(const pusht_msgs::DescribeResponse& description);
 
 /// World behind the services of a peer. It holds the world, which refuses other callers meanwhile. Functions also throw
-/// PeerFault, and RuntimeFault if another caller has reset or configured the world. Requests have the stamp of
+/// PeerFault, RuntimeFault if another caller has reset or configured the world, and BadDependency for a state in pixels
+/// that is not the state. Requests have the stamp of
 /// `stamps`, which the caller advances before each reset and step, once for all worlds that share them, unless they are
 /// silent.
 class RemoteSimulator : public Simulator {
@@ -55,6 +58,9 @@ class RemoteSimulator : public Simulator {
   /// Makes the next resets and their steps silent until the next announcement: the node publishes nothing.
   void silence() { silent_ = true; }
 
+  /// State in gym-pusht's frame, if the node's world is computed there.
+  const gym_pusht::State* stateInPixels() const override { return state_in_pixels_ ? &*state_in_pixels_ : nullptr; }
+
   /// Description of the node. Throws PeerFault if the node was replaced, RuntimeFault if its kind or parameters have
   /// changed, BadDependency if it has another version than at first.
   pusht_msgs::DescribeResponse describe();
@@ -69,8 +75,10 @@ class RemoteSimulator : public Simulator {
   void doStep(const Action& action) override;
   WorldState doState() const override { return state_; }
 
+  template <class Response>
+  void keepState(const Response& response);
   void configure(const std::string& kind, const Parameters& changes);
-  void begin(const WorldState& start, pusht_msgs::ResetRequest request);
+  void requestReset(const WorldState& start, pusht_msgs::ResetRequest request);
   pusht_msgs::ResetResponse take(pusht_msgs::ResetRequest request);
   void requireParameters(const std::string& hash) const;
 
@@ -90,6 +98,7 @@ class RemoteSimulator : public Simulator {
   bool silent_ = false;
   int next_step_ = 0;
   WorldState state_;
+  std::optional<gym_pusht::State> state_in_pixels_;
 };
 
 }  // namespace pusht

@@ -155,8 +155,13 @@ void Simulator::reset(const WorldState& state) {
   startChecked(start, [&] { doReset(start); });
 }
 
-void Simulator::spawn(std::uint64_t seed) {
-  const WorldState start = checkedStart(pusht::spawn(seed, *task_));
+void Simulator::spawn(std::uint64_t seed) { spawn(seed, pusht::spawn(seed, *task_)); }
+
+void Simulator::spawn(std::uint64_t seed, const WorldState& drawn) {
+  const WorldState start = checkedStart(drawn);
+  if (!faultOfStart(pusht::spawn(seed, *task_), start).empty()) {
+    throw InvalidInput("reset: the start must be the draw of seed " + std::to_string(seed));
+  }
   startChecked(start, [&] { doSpawn(start, seed); });
 }
 

@@ -6,7 +6,7 @@ import math
 import subprocess
 import sys
 import unittest
-from typing import Any, Tuple
+from typing import Any, Dict, Tuple
 
 import numpy as np
 import sim2sim
@@ -68,7 +68,7 @@ class OneWorld(unittest.TestCase):
                     )
 
     def test_episodes_in_gym_pushts_world_are_those_of_a_comparison_too(self) -> None:
-        options = {"task": "gym_pusht", "horizon": 60}
+        options: Dict[str, Any] = {"task": "gym_pusht", "horizon": 60}
         run = sim2sim.compare(
             "expert", reference="gym_pusht", engine="none", episodes=3, floor=False, **options
         )

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim2sim_serving/conversions.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "pusht_task/constants.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/json_text.hpp"
+#include "pusht_task/numbers.hpp"
 
 namespace pusht {
 
@@ -58,6 +63,23 @@ gym_pusht::State fromMessage(const pusht_msgs::PixelState& message) {
   state.tee_velocity = {message.tee_vx, message.tee_vy};
   state.rate = message.rate;
   return state;
+}
+
+std::optional<gym_pusht::State> inPixels(const std::vector<pusht_msgs::PixelState>& reported, const WorldState& state) {
+  if (reported.empty()) {
+    return std::nullopt;
+  }
+  const gym_pusht::State in_pixels = fromMessage(reported.front());
+  const WorldState same = gym_pusht::toTable(in_pixels);
+  const std::array<double, 3> off = {(same.pusher_position - state.pusher_position).norm(),
+                                     (same.tee_position - state.tee_position).norm(),
+                                     std::abs(wrapAngle(same.tee_yaw - state.tee_yaw))};
+  const auto is_small = [](double error) { return error <= kStartTolerance; };
+  if (reported.size() > 1 || !std::all_of(off.begin(), off.end(), is_small)) {
+    throw BadDependency("state_in_pixels: must be one, with the poses of the state to " +
+                        shortestText(kStartTolerance) + " m and rad, or none");
+  }
+  return in_pixels;
 }
 
 nlohmann::json provenanceOf(const pusht_msgs::DescribeResponse& node) {

@@ -2,12 +2,9 @@
 #include "sim2sim_serving/remote_simulator.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 
 #include "pusht_task/constants.hpp"
 #include "pusht_task/error.hpp"
-#include "pusht_task/numbers.hpp"
 #include "pusht_task/spawn.hpp"
 #include "sim2sim_serving/conversions.hpp"
 #include "sim2sim_serving/node.hpp"
@@ -33,18 +30,6 @@ void setTask(const Task& task, bool says_task, Parameters& changes) {
   changes = withoutTask(std::move(changes));
   if (&task != &fullCircle() || says_task) {
     changes.push_back(parameter(kTaskParameter, textOf(task)));
-  }
-}
-
-/// Throws BadDependency if two states that a node reports are not the same.
-void requireSame(const gym_pusht::State& in_pixels, const WorldState& state, const std::string& node) {
-  const WorldState in_table = gym_pusht::toTable(in_pixels);
-  const std::array<double, 3> off = {(in_table.pusher_position - state.pusher_position).norm(),
-                                     (in_table.tee_position - state.tee_position).norm(),
-                                     std::abs(wrapAngle(in_table.tee_yaw - state.tee_yaw))};
-  if (!std::all_of(off.begin(), off.end(), [](double error) { return error <= kStartTolerance; })) {
-    throw BadDependency(node + ": state_in_pixels: must be the state, to " + shortestText(kStartTolerance) +
-                        " m and rad");
   }
 }
 
@@ -188,10 +173,11 @@ void RemoteSimulator::doStep(const Action& action) {
 template <class Response>
 void RemoteSimulator::keepState(const Response& response) {
   state_ = fromMessage(response.state);
-  state_in_pixels_.reset();
-  if (!response.state_in_pixels.empty()) {
-    state_in_pixels_ = fromMessage(response.state_in_pixels.front());
-    requireSame(*state_in_pixels_, state_, peer_.services());
+  try {
+    state_in_pixels_ = inPixels(response.state_in_pixels, state_);
+  } catch (Error& fault) {
+    fault.addContext(peer_.services());
+    throw;
   }
 }
 

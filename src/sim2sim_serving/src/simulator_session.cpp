@@ -10,7 +10,6 @@
 #include "pusht_task/files.hpp"
 #include "pusht_task/numbers.hpp"
 #include "pusht_task/reason.hpp"
-#include "pusht_task/spawn.hpp"
 #include "pusht_task/task.hpp"
 #include "sim2sim_serving/conversions.hpp"
 #include "sim2sim_serving/node.hpp"
@@ -84,19 +83,17 @@ void reset(Simulator& world, const pusht_msgs::ResetRequest& request) {
   if (request.start.size() > 1) {
     throw InvalidInput("start: " + std::to_string(request.start.size()) + " states; must be one, or none for the seed");
   }
-  const bool drawn = request.start.empty() || request.drawn != 0;
-  if (!drawn) {
+  if (request.start.empty()) {
+    world.spawn(request.seed);
+  } else if (request.drawn != 0) {
+    world.spawn(request.seed, fromMessage(request.start.front()));
+  } else {
     world.reset(fromMessage(request.start.front()));
-    return;
   }
-  if (!request.start.empty() && fromMessage(request.start.front()) != spawn(request.seed, world.task())) {
-    throw InvalidInput("start: must be the draw of seed " + std::to_string(request.seed) + ", as the request says");
-  }
-  world.spawn(request.seed);
 }
 
 /// State of a world that is computed in pixels; none of any other.
-std::vector<pusht_msgs::PixelState> inPixels(const Simulator& world) {
+std::vector<pusht_msgs::PixelState> reportedInPixels(const Simulator& world) {
   const gym_pusht::State* state = world.stateInPixels();
   return state == nullptr ? std::vector<pusht_msgs::PixelState>() : std::vector{toMessage(*state)};
 }
@@ -134,7 +131,7 @@ pusht_msgs::ResetResponse SimulatorSession::reset(const pusht_msgs::ResetRequest
     response.instance_id = instance_id_;
     response.stamp = stamp;
     response.state = toMessage(world_->state());
-    response.state_in_pixels = inPixels(*world_);
+    response.state_in_pixels = reportedInPixels(*world_);
     response.parameters_hash = hashOf(toMessages(model_.parameters));
     const std::uint32_t horizon = request.horizon == 0 ? kHorizon : request.horizon;
     episode_ = Episode{request.episode, horizon, 0, false, request, response, {}, {}};
@@ -165,7 +162,7 @@ pusht_msgs::StepResponse SimulatorSession::step(const pusht_msgs::StepRequest& r
     response.stamp = stamp;
     response.step = episode_->steps++;
     response.state = toMessage(world_->state());
-    response.state_in_pixels = inPixels(*world_);
+    response.state_in_pixels = reportedInPixels(*world_);
     episode_->last = request;
     episode_->taken = response;
     observe(clip(action, world_->task()));

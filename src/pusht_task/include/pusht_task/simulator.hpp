@@ -56,6 +56,10 @@ class Simulator {
   /// last.
   void spawn(std::uint64_t seed);
 
+  /// Sets the world to `start`, which another process has drawn for `seed`, as spawn(seed). Throws InvalidInput, too,
+  /// if it is not that draw to kStartTolerance: last bits are those of a libm.
+  void spawn(std::uint64_t seed, const WorldState& start);
+
   /// Takes one control step with `action`, clipped as the task says. Success never stops a world.
   /// Throws InvalidInput before a reset, the first one or the one after a fault, or if the action is not finite, with
   /// the world as it was;
@@ -78,7 +82,7 @@ class Simulator {
 
  private:
   virtual void doReset(const WorldState& state) = 0;
-  /// `start` is the task's draw for `seed`.
+  /// `start` is the task's draw for `seed`, but for last bits.
   virtual void doSpawn(const WorldState& start, std::uint64_t /*seed*/) { doReset(start); }
   virtual void doStep(const Action& action) = 0;
   virtual WorldState doState() const = 0;

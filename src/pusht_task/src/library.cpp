@@ -3,6 +3,8 @@
 
 #include <dlfcn.h>
 
+#include <algorithm>
+#include <array>
 #include <string_view>
 #include <system_error>
 
@@ -15,16 +17,24 @@ Library::Library(const std::filesystem::path& path, Scope scope)
   if (handle_ != nullptr) {
     return;
   }
-  const std::string message = "library " + path.string() + ": cannot be loaded: " + dlerror();
-  for (const char* limit : {"allocate memory", "failed to map segment", "Too many open files"}) {
-    if (message.find(limit) != std::string::npos) {
-      throw RuntimeFault(message);
-    }
+  const std::string reason = dlerror();
+  const std::string message = "library " + path.string() + ": cannot be loaded: " + reason;
+  if (isOfALimit(reason)) {
+    throw RuntimeFault(message);
   }
   throw BadDependency(message);
 }
 
 const void* Library::address(const std::string& symbol) const { return dlsym(handle_, symbol.c_str()); }
+
+bool isOfALimit(const std::string& text) {
+  // Source: dl-load.c, dl-open.c, dl-deps.c, dl-version.c, dl-tls.c of glibc 2.36 and 2.41.
+  constexpr std::array kWords = {
+      "annot allocate",        "cannot create", "cannot extend global scope",       "cannot map zero-fill pages",
+      "failed to map segment", "out of memory", "cannot change memory protections", "Too many open files"};
+  return std::any_of(kWords.begin(), kWords.end(),
+                     [&text](const char* words) { return text.find(words) != std::string::npos; });
+}
 
 std::string versionOfLibrary(const void* symbol) {
   Dl_info info = {};

@@ -29,6 +29,10 @@ class Library {
   void* handle_;
 };
 
+/// Whether a text of dlerror() says that there was too little memory, or that too many files are open. The dynamic
+/// loader has many words for it, and not always those of errno.
+bool isOfALimit(const std::string& text);
+
 /// Version in the name of the file that a function or variable of this process was loaded from: "3.24" of libX.so.3.24.
 /// Empty if the file says none.
 std::string versionOfLibrary(const void* symbol);

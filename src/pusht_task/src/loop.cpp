@@ -9,7 +9,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
-#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -71,7 +70,8 @@ struct Shown {
   Observation observation{};
   bool has_state = false;  ///< not if the observation came over a node
   WorldState state{};
-  std::optional<gym_pusht::State> in_pixels{};  ///< none unless world and sensors have its bits
+  bool has_pixels = false;  ///< not unless world and sensors have the bits of `in_pixels`
+  gym_pusht::State in_pixels{};
 };
 
 /// Errors of a sensor, in the units and the frame of a task's observations.
@@ -120,7 +120,7 @@ class LoopMemory : public Policy::Memory {
     const Shown now = measured(query);
     seen_ = observations_.pass(now, now);
     return {seen_.observation, memory_.get(), seen_.has_state ? &seen_.state : nullptr,
-            seen_.in_pixels ? &*seen_.in_pixels : nullptr};
+            seen_.has_pixels ? &seen_.in_pixels : nullptr};
   }
 
   /// Whether the policy acts in this control step.
@@ -174,7 +174,8 @@ class LoopMemory : public Policy::Memory {
     if (shown.has_state) {
       shown.state = measured(*truth.state, error);
     }
-    if (truth.state_in_pixels != nullptr && !errs()) {
+    shown.has_pixels = truth.state_in_pixels != nullptr && !errs();
+    if (shown.has_pixels) {
       shown.in_pixels = *truth.state_in_pixels;
     }
     return shown;

@@ -29,16 +29,10 @@ using ::testing::SizeIs;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// World that notes the seeds of its draws, and is 1 px further in its own bits.
+/// World that notes the seeds of its draws.
 class Drawn : public Simulator {
  public:
   Drawn(std::vector<std::uint64_t>& seeds, const Task& task) : Simulator("", 1e-12, task), seeds_(seeds) {}
-
-  const gym_pusht::State* stateInPixels() const override {
-    in_pixels_ = gym_pusht::fromTable(state_);
-    in_pixels_.pusher.x() += 1.0;
-    return &in_pixels_;
-  }
 
  private:
   void doReset(const WorldState& state) override { state_ = state; }
@@ -51,7 +45,6 @@ class Drawn : public Simulator {
 
   std::vector<std::uint64_t>& seeds_;
   WorldState state_;
-  mutable gym_pusht::State in_pixels_;
 };
 
 /// The pusher goes where it is told; after `steps_to_failure` steps since the start the simulation fails.
@@ -99,19 +92,6 @@ class SimulatorSessions : public ::testing::Test {
       return model;
     };
     return kind;
-  }
-
-  /// Kind of gym-pusht's task.
-  static SimulatorKind drawnKind(std::vector<std::uint64_t>& seeds) {
-    SimulatorKind drawn = kind();
-    drawn.tasks = {"gym_pusht"};
-    drawn.loader = [&seeds](const ParameterSet& parameters, const Task& task) {
-      SimulatorModel model;
-      model.parameters = parameters;
-      model.make_world = [&seeds, &task] { return std::make_unique<Drawn>(seeds, task); };
-      return model;
-    };
-    return drawn;
   }
 
   pusht_msgs::ResetResponse reset(std::uint64_t episode = 0, const ros::Time& stamp = {}) {
@@ -209,7 +189,15 @@ TEST_F(SimulatorSessions, TakeATaskAndGiveItBack) {
 /// A world is told of its draw by a caller that sends no start, or says that its start is one.
 TEST_F(SimulatorSessions, TellTheWorldOfADraw) {
   std::vector<std::uint64_t> seeds;
-  SimulatorSession session(drawnKind(seeds), withTask(drawnKind(seeds)), "drawn", [](const auto&) {});
+  SimulatorKind drawn = kind();
+  drawn.tasks = {"gym_pusht"};
+  drawn.loader = [&seeds](const ParameterSet& parameters, const Task& task) {
+    SimulatorModel model;
+    model.parameters = parameters;
+    model.make_world = [&seeds, &task] { return std::make_unique<Drawn>(seeds, task); };
+    return model;
+  };
+  SimulatorSession session(drawn, withTask(drawn), "drawn", [](const auto&) {});
   const auto reset = [&session](std::uint64_t seed, const std::vector<WorldState>& start, bool is_drawn) {
     pusht_msgs::ResetRequest request;
     request.seed = seed;
@@ -234,20 +222,14 @@ TEST_F(SimulatorSessions, TellTheWorldOfADraw) {
   EXPECT_THAT(seeds, ElementsAre(7U, 8U, 8U)) << "no other start is a draw";
 }
 
-/// A node says a state in pixels in the bits of its world.
-TEST_F(SimulatorSessions, SayTheBitsOfAWorldInPixels) {
-  std::vector<std::uint64_t> seeds;
-  SimulatorSession session(drawnKind(seeds), withTask(drawnKind(seeds)), "drawn", [](const auto&) {});
-  const auto begun = session.reset({});
-  ASSERT_THAT(begun.state_in_pixels, SizeIs(1));
-  const gym_pusht::State expected = gym_pusht::fromTable(fromMessage(begun.state));
-  const gym_pusht::State said = fromMessage(begun.state_in_pixels.front());
-  EXPECT_EQ(said.pusher.x(), expected.pusher.x() + 1.0);
-  EXPECT_EQ(said.pusher.y(), expected.pusher.y());
-  EXPECT_EQ(said.tee, expected.tee);
-  EXPECT_EQ(said.angle, expected.angle);
-  EXPECT_EQ(session.step({}).state_in_pixels, begun.state_in_pixels) << "it rests";
-  EXPECT_THAT(session_.reset({}).state_in_pixels, IsEmpty());
+TEST(Conversions, KeepEveryNumberOfAStateInPixels) {
+  pusht_msgs::PixelState message;
+  double number = 0.1;
+  for (double* field : {&message.pusher_x, &message.pusher_y, &message.pusher_vx, &message.pusher_vy, &message.tee_x,
+                        &message.tee_y, &message.angle, &message.tee_vx, &message.tee_vy, &message.rate}) {
+    *field = number += 1.0;
+  }
+  EXPECT_EQ(toMessage(fromMessage(message)), message);
 }
 
 TEST(Conversions, RefuseAStateInPixelsThatIsNotTheState) {

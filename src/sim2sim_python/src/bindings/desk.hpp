@@ -22,8 +22,8 @@ namespace sim2sim::python {
 /// What a policy sees in a control step.
 struct Glimpse {
   pusht::Observation observation{};
-  std::optional<pusht::WorldState> state{};  ///< state behind the observation; none if the query has none
-  std::optional<pusht::gym_pusht::State> state_in_pixels{};  ///< that of the query; none if it has none
+  std::optional<pusht::gym_pusht::State>
+      in_pixels{};  ///< read in gym-pusht's task alone; none if the query has no state
 };
 
 /// Row of a query: a rollout in which the callable is asked for a new answer.

@@ -58,7 +58,8 @@ std::vector<std::unique_ptr<RolloutMemory>> trialRows(Desk& desk, int history, c
     rows.push_back(std::make_unique<RolloutMemory>(desk, pusht::Beginning{number}));
     for (int past = 0; past < history; ++past) {
       const pusht::WorldState start = pusht::spawn(number + kRows * static_cast<std::uint64_t>(past), task);
-      rows.back()->see({pusht::observe(start, task), start}, static_cast<std::size_t>(history));
+      rows.back()->see({pusht::observe(start, task), pusht::gym_pusht::fromTable(start)},
+                       static_cast<std::size_t>(history));
     }
   }
   return rows;
@@ -86,23 +87,12 @@ bool isAlike(const std::vector<pusht::Action>& one, const std::vector<pusht::Act
 
 RolloutMemory& memoryOf(const pusht::Policy::Query& query) { return static_cast<RolloutMemory&>(*query.memory); }
 
-template <class Value>
-std::optional<Value> copyOf(const Value* value) {
-  return value == nullptr ? std::nullopt : std::optional(*value);
-}
-
 Glimpse glimpseOf(const pusht::Policy::Query& query) {
-  return {query.observation, copyOf(query.state), copyOf(query.state_in_pixels)};
-}
-
-pusht::gym_pusht::State inPixels(const Glimpse& glimpse) {
-  if (glimpse.state_in_pixels) {
-    return *glimpse.state_in_pixels;
+  if (query.state_in_pixels != nullptr) {
+    return {query.observation, *query.state_in_pixels};
   }
-  if (!glimpse.state) {
-    throw pusht::InternalError("a policy that sees states must be asked with them");
-  }
-  return pusht::gym_pusht::fromTable(*glimpse.state);
+  return {query.observation,
+          query.state == nullptr ? std::nullopt : std::optional(pusht::gym_pusht::fromTable(*query.state))};
 }
 
 std::string shapeOf(const py::array& array) { return py::str(array.attr("shape")); }
@@ -209,8 +199,12 @@ py::object Callable::observationsOf(const std::vector<Row*>& rows) const {
   if (sight_.is_none()) {
     return arrayOf<float>(rows, kNumbers, [](const Glimpse& glimpse) { return glimpse.observation; });
   }
-  return sight_(
-      arrayOf<double>(rows, kPixelNumbers, [](const Glimpse& glimpse) { return numbersInPixels(inPixels(glimpse)); }));
+  return sight_(arrayOf<double>(rows, kPixelNumbers, [](const Glimpse& glimpse) {
+    if (!glimpse.in_pixels) {
+      throw pusht::InternalError("a policy that sees states must be asked with them");
+    }
+    return numbersInPixels(*glimpse.in_pixels);
+  }));
 }
 
 py::object Callable::ask(const std::vector<Row*>& rows) const {
